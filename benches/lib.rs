@@ -1,0 +1,1 @@
+//! Criterion benchmarks of the hot loops; see the README beside this file.

@@ -1,0 +1,96 @@
+//! Scattering models, one per file, and the mixture that a material makes of them at a surface point.
+//!
+//! A [`Lobe`] is a model with its parameters looked up; [`Bsdf`] is the weighted sum of a material's lobes. Both are
+//! plain values. Directions are in the local frame of the surface point: z is the shading normal, `wi` is known (towards
+//! the sensor on camera paths), `wo` is sampled.
+
+use crate::math::{Frame, Rgb};
+use glam::{Vec2, Vec3};
+
+/// The most lobes of a flattened material.
+pub const MAX_LOBES: usize = 8;
+
+/// What kind of interaction a sample is: bits.
+pub mod event {
+    /// wo on the side of wi.
+    pub const REFLECTION: u32 = 1;
+    /// wo on the other side.
+    pub const TRANSMISSION: u32 = 2;
+    /// A single direction: `pdf` is a discrete probability, `eval` is zero there.
+    pub const DELTA: u32 = 4;
+    /// Rough but peaked.
+    pub const GLOSSY: u32 = 8;
+    /// Broad.
+    pub const DIFFUSE: u32 = 16;
+    /// Straight through, as if nothing were there.
+    pub const NULL: u32 = 32;
+}
+
+/// Which quantity travels along the path, for the scaling of refracted radiance.
+pub mod mode {
+    /// Radiance, on paths from the sensor: transmission is scaled by 1/eta^2.
+    pub const RADIANCE: u32 = 0;
+    /// Importance, on paths from a light: no scaling.
+    pub const IMPORTANCE: u32 = 1;
+}
+
+/// A sampled direction.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// The direction; undefined when `pdf` is zero.
+    pub wo: Vec3,
+    /// f cos / pdf.
+    pub weight: Rgb,
+    /// Density per solid angle, a discrete probability for [`event::DELTA`]; zero for no sample.
+    pub pdf: f32,
+    /// Index on the side of wo over the index on the side of wi (1 for reflection).
+    pub eta: f32,
+    /// Bits of [`event`].
+    pub event: u32,
+}
+
+impl BsdfSample {
+    /// No sample.
+    pub const NONE: BsdfSample = BsdfSample {
+        wo: Vec3::Z,
+        weight: Vec3::ZERO,
+        pdf: 0.0,
+        eta: 1.0,
+        event: 0,
+    };
+}
+
+/// A scattering model with its parameters looked up at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobe {
+    /// One of [`crate::scene::lobe_kind`].
+    pub kind: u32,
+    /// One of [`crate::scene::distribution`].
+    pub distribution: u32,
+    /// Bits of [`crate::scene::lobe_flag`].
+    pub flags: u32,
+    /// Weight in the material, in [0, 1].
+    pub weight: f32,
+    /// Perturbed shading frame in the local coordinates of the surface point.
+    pub frame: Frame,
+    /// Whether `frame` differs from the surface's.
+    pub has_frame: bool,
+    /// Diffuse reflectance.
+    pub reflectance: Rgb,
+    /// Factor on specular reflection.
+    pub specular_reflectance: Rgb,
+    /// Factor on specular transmission.
+    pub specular_transmittance: Rgb,
+    /// Real index of refraction (see [`crate::scene::LobeRecord::eta`]).
+    pub eta: Vec3,
+    /// Imaginary index of refraction.
+    pub k: Vec3,
+    /// Roughness along the tangent and the bitangent.
+    pub alpha: Vec2,
+    /// Table in `data`, or NONE.
+    pub table: u32,
+    /// See [`crate::scene::LobeRecord::internal_reflectance`].
+    pub internal_reflectance: f32,
+    /// One of [`mode`].
+    pub mode: u32,
+}

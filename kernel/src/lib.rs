@@ -1,0 +1,38 @@
+//! Light transport mathematics for CPUs and Vulkan shaders.
+//!
+//! One `no_std`, allocation-free crate: scattering models, scene views, samplers and light-transport
+//! algorithms as plain functions over borrowed tables. The CPU front end calls them with a traverser
+//! from obvhs, the shaders with the crate's own BVH2 walk; only traversal, sampler and film differ.
+//!
+//! # How to read it
+//! [`scene`] holds the plain records that a front end fills and the view that the algorithms read;
+//! [`bsdf`] turns a material record into scattering functions at a point; [`transport`] holds one
+//! algorithm per file. [`math`] is below all of them.
+//!
+//! # Conventions
+//! - Local frames have z along the shading normal; directions point away from the surface.
+//! - `wi` is the direction that is known (towards the sensor for paths traced from it), `wo` the one that is
+//!   sampled. `eta` is the index on the transmitted side over the index on the incident side.
+//! - `eval` returns a BSDF without a cosine; `eval_cosine` says that it holds one. `pdf` is per solid angle;
+//!   a density in another measure says so in its name.
+//! - Radiometry in W/(m^2 sr), RGB with linear sRGB primaries; angles in radians.
+//! - Functions are total: finite in, finite out; "no contribution" is a zero density.
+//!
+//! # Notation of the papers
+//! | symbol | name here |
+//! |---|---|
+//! | L_i, L_o | `radiance` |
+//! | f_s | `eval` |
+//! | p_omega | `pdf` |
+//! | alpha | `alpha` (Beckmann width or GGX width, per axis) |
+//! | D, G1, G2 | `distribution`, `smith_g1`, product of two `smith_g1` |
+//! | eta, k | `eta`, `k` (real and imaginary index of refraction) |
+//! | x_0 ... x_k | path vertices, light to sensor |
+
+#![cfg_attr(not(feature = "std"), no_std)]
+
+pub mod bsdf;
+pub mod math;
+pub mod sampler;
+pub mod scene;
+pub mod transport;

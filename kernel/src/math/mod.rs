@@ -1,0 +1,23 @@
+//! Numbers, vectors, frames and mappings that everything else stands on.
+
+pub mod float;
+pub mod frame;
+pub mod ray;
+
+pub use frame::Frame;
+pub use ray::Ray;
+
+/// Linear RGB with sRGB primaries.
+pub type Rgb = glam::Vec3;
+
+/// Luminance of linear sRGB (Rec. 709 weights).
+#[inline]
+pub fn luminance(c: Rgb) -> f32 {
+    0.212_671 * c.x + 0.715_160 * c.y + 0.072_169 * c.z
+}
+
+/// A vector from a plain record's array.
+#[inline]
+pub fn vec3(a: [f32; 3]) -> glam::Vec3 {
+    glam::Vec3::new(a[0], a[1], a[2])
+}

@@ -1,0 +1,43 @@
+//! What a ray tracer must answer.
+
+use crate::math::Ray;
+
+/// The nearest intersection along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter; [`f32::MAX`] when nothing was hit.
+    pub t: f32,
+    /// Barycentric weight of a triangle's second vertex; unused for quadrics.
+    pub b1: f32,
+    /// Barycentric weight of a triangle's third vertex; unused for quadrics.
+    pub b2: f32,
+    /// Index of a triangle, or the number of triangles plus the index of a quadric.
+    pub primitive: u32,
+    /// Index of the instance, 0 for the world.
+    pub instance: u32,
+}
+
+impl Hit {
+    /// No intersection.
+    pub const MISS: Hit = Hit {
+        t: f32::MAX,
+        b1: 0.0,
+        b2: 0.0,
+        primitive: u32::MAX,
+        instance: 0,
+    };
+
+    /// Whether something was hit.
+    #[inline]
+    pub fn is_hit(&self) -> bool {
+        self.t < f32::MAX
+    }
+}
+
+/// A ray tracer over the scene's primitives.
+pub trait Traverse {
+    /// The nearest intersection with `t_min < t < t_max`.
+    fn closest_hit(&self, ray: &Ray) -> Hit;
+    /// Whether anything lies in `t_min < t < t_max`.
+    fn is_occluded(&self, ray: &Ray) -> bool;
+}

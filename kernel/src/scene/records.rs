@@ -444,6 +444,12 @@ pub struct Camera {
     pub filter_table_size: u32,
 }
 
+/// Flags of [`SceneInfo`].
+pub mod scene_flag {
+    /// Some material has [`super::material_flag::HAS_NULL`]: shadow rays must look at what they meet.
+    pub const HAS_NULL: u32 = 1;
+}
+
 /// Facts about the whole scene.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -456,4 +462,6 @@ pub struct SceneInfo {
     pub environment: u32,
     /// First word in `data` of the 256 linear values of sRGB bytes.
     pub srgb_table: u32,
+    /// Bits of [`scene_flag`].
+    pub flags: u32,
 }

@@ -1,1 +1,4 @@
 //! Halflight.
+
+pub mod bytes;
+pub mod image_io;

@@ -1,0 +1,44 @@
+//! Image files: textures as [`Bitmap`]s, and OpenEXR files with all their layers.
+//!
+//! # Limits
+//! Every reader judges an image by its header before it allocates: at most [`MAX_DIMENSION`] pixels per side and
+//! [`MAX_SAMPLES`] samples.
+
+mod error;
+pub mod exr_read;
+
+pub use error::ImageError;
+pub use exr_read::{ExrImage, read_exr, read_exr_bytes};
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+/// Largest width and height of an image, in pixels.
+pub const MAX_DIMENSION: u32 = 1 << 16;
+
+/// Most samples (pixels times channels) of an image: a square of 16384 pixels with four channels.
+pub const MAX_SAMPLES: u64 = 4 << 28;
+
+/// Most bytes of a file that is read into memory.
+const MAX_FILE_BYTES: u64 = 16 << 30;
+
+fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
+    crate::bytes::read_file(path, MAX_FILE_BYTES).map_err(|source| ImageError::Io {
+        file: path.to_owned(),
+        source,
+    })
+}
+
+/// Runs a decoder that is known to panic on damaged files; a panic becomes an error.
+fn guarded<T>(
+    file: &Path,
+    decode: impl FnOnce() -> Result<T, ImageError>,
+) -> Result<T, ImageError> {
+    // The decoder works on its own locals only, and they are dropped: nothing broken is observed afterwards.
+    catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| {
+        Err(ImageError::malformed(
+            file,
+            "the file is damaged in a way that its decoder did not foresee",
+        ))
+    })
+}

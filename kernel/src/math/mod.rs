@@ -1,8 +1,10 @@
 //! Numbers, vectors, frames and mappings that everything else stands on.
 
+pub mod distribution;
 pub mod float;
 pub mod frame;
 pub mod ray;
+pub mod warp;
 
 pub use frame::Frame;
 pub use ray::Ray;

@@ -1,0 +1,90 @@
+//! Discrete distributions as cumulative tables inside the scene's `data`.
+//!
+//! A table of `count` words holds `cdf[i] = p_0 + ... + p_i`, normalised so that the last word is one. Index `i` is
+//! chosen for `cdf[i-1] <= u < cdf[i]`, so an index of zero probability is never chosen, and its probability is the
+//! difference of the stored words: sampling and density agree exactly, whatever the rounding of the table.
+//! Invariant (tests): `fill_cdf` gives every positive weight a positive probability and every zero weight none.
+
+/// The probability of index `i` in the table at `offset`.
+#[inline]
+pub fn cdf_pmf(data: &[f32], offset: u32, i: u32) -> f32 {
+    let upper = data[(offset + i) as usize];
+    if i == 0 {
+        upper
+    } else {
+        upper - data[(offset + i - 1) as usize]
+    }
+}
+
+/// Chooses an index of the table of `count >= 1` words at `offset` with `u` in [0, 1).
+///
+/// Returns the index, `u` stretched to [0, 1) inside the index's interval, and the index's probability.
+#[inline]
+pub fn sample_cdf(data: &[f32], offset: u32, count: u32, u: f32) -> (u32, f32, f32) {
+    // The first index whose cumulative value is above u.
+    let mut low = 0;
+    let mut high = count - 1;
+    while low < high {
+        let middle = (low + high) / 2;
+        if data[(offset + middle) as usize] > u {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    let lower = if low == 0 {
+        0.0
+    } else {
+        data[(offset + low - 1) as usize]
+    };
+    let pmf = data[(offset + low) as usize] - lower;
+    let stretched = if pmf > 0.0 { (u - lower) / pmf } else { 0.0 };
+    (low, stretched.clamp(0.0, ONE_MINUS_EPSILON), pmf)
+}
+
+/// The largest float below one.
+pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// Turns `weights` into a normalised cumulative table in place and returns the sum of the weights.
+///
+/// Negative and non-finite weights count as zero. A positive weight is raised to 2^-22 of the sum where it is smaller:
+/// below one, `f32` resolves 2^-24, and a probability that rounds to nothing would be a bias. Tables of up to a
+/// million entries keep every positive one. If all weights are zero, the table is uniform and the sum is zero.
+///
+/// Runs on the host only: sums over millions of entries need `f64`, which shaders need not have.
+#[cfg(not(target_arch = "spirv"))]
+pub fn fill_cdf(weights: &mut [f32]) -> f64 {
+    let valid = |w: f32| w > 0.0 && w.is_finite();
+    let count = weights.len();
+    let total: f64 = weights
+        .iter()
+        .filter(|w| valid(**w))
+        .map(|w| f64::from(*w))
+        .sum();
+    if total <= 0.0 {
+        for (i, w) in weights.iter_mut().enumerate() {
+            *w = ((i + 1) as f64 / count as f64) as f32;
+        }
+        return 0.0;
+    }
+    let smallest = total / f64::from(1 << 22);
+    let raised: f64 = weights
+        .iter()
+        .filter(|w| valid(**w))
+        .map(|w| f64::from(*w).max(smallest))
+        .sum();
+    let mut sum = 0.0;
+    let mut last = 0;
+    for i in 0..count {
+        if valid(weights[i]) {
+            sum += f64::from(weights[i]).max(smallest);
+            last = i;
+        }
+        weights[i] = ((sum / raised) as f32).min(1.0);
+    }
+    // Rounding must not leave a gap above the last positive weight.
+    for w in &mut weights[last..] {
+        *w = 1.0;
+    }
+    total
+}

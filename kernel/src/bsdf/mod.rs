@@ -4,6 +4,14 @@
 //! plain values. Directions are in the local frame of the surface point: z is the shading normal, `wi` is known (towards
 //! the sensor on camera paths), `wo` is sampled.
 
+pub mod diffuse;
+pub mod frame_map;
+pub mod lobe;
+pub mod mixture;
+pub mod null;
+
+pub use mixture::Bsdf;
+
 use crate::math::{Frame, Rgb};
 use glam::{Vec2, Vec3};
 

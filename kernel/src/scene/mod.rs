@@ -5,6 +5,7 @@
 
 pub mod records;
 pub mod surface;
+pub mod texture;
 pub mod traverse;
 pub mod view;
 

@@ -36,7 +36,7 @@ impl RgbParameter {
     }
 }
 
-/// A scalar parameter: a constant, multiplied by the mean of a texture's channels when one is given.
+/// A scalar parameter: a constant, multiplied by the luminance of a texture when one is given.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ScalarParameter {

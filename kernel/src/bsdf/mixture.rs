@@ -1,0 +1,314 @@
+//! The scattering function of a material at a surface point: the weighted sum of its lobes.
+//!
+//! f = sum_i w_i f_i, with w_i the product of the lobe's mixing factors. Sampling chooses lobe i with probability q_i
+//! proportional to w_i times the lobe's colour, then a direction of that lobe. A smooth sample carries the density of
+//! the whole mixture, p = sum_j q_j p_j over the smooth parts, and the value of the whole mixture (one-sample multiple
+//! importance sampling with the balance heuristic, Veach 1997, section 9.2.4); a discrete one carries q_i times its
+//! probability. The number that chooses the lobe is stretched back to [0, 1) and used again inside.
+//!
+//! Everything is per solid angle in the local frame of the surface point (z along the unperturbed shading normal).
+//! Invariants (tests): sum of q_i is 1; weight * pdf = `eval_cosine` for smooth samples; samples follow `pdf`.
+
+use super::{BsdfSample, Lobe, MAX_LOBES, event, frame_map, lobe};
+use crate::math::{Rgb, float};
+use crate::scene::{
+    LobeRecord, NONE, SurfacePoint, Tables, lobe_kind,
+    texture::{eval_rgb, eval_scalar},
+};
+use glam::{Vec2, Vec3};
+
+/// Roughness below which a microfacet lobe is as good as a mirror, and rounding would dominate its density.
+const MIN_ALPHA: f32 = 1e-4;
+
+/// A material looked up at a point, for one known direction `wi`.
+#[derive(Clone, Copy, Debug)]
+pub struct Bsdf {
+    lobes: [Lobe; MAX_LOBES],
+    /// Probability of each lobe.
+    selection: [f32; MAX_LOBES],
+    count: u32,
+}
+
+impl Bsdf {
+    /// Scatters nothing.
+    pub const BLACK: Bsdf = Bsdf {
+        lobes: [Lobe::NONE; MAX_LOBES],
+        selection: [0.0; MAX_LOBES],
+        count: 0,
+    };
+
+    /// The material of `point` for the local direction `wi`: lobes of the other side or without weight are left out.
+    /// `mode` is one of [`super::mode`].
+    pub fn at(tables: &Tables<'_>, point: &SurfacePoint, wi: Vec3, mode: u32) -> Bsdf {
+        let mut bsdf = Bsdf::BLACK;
+        if point.material == NONE {
+            return bsdf;
+        }
+        let material = tables.materials[point.material as usize];
+        for i in 0..material.lobe_count {
+            let record = &tables.lobes[(material.first_lobe + i) as usize];
+            if !lobe::is_active(record.flags, wi) && record.kind != lobe_kind::NULL {
+                continue;
+            }
+            let weight = weight(tables, record, point);
+            if weight > 0.0 && (bsdf.count as usize) < MAX_LOBES {
+                bsdf.lobes[bsdf.count as usize] = lookup(tables, record, point, weight, mode);
+                bsdf.count += 1;
+            }
+        }
+        bsdf.select(tables.data, wi);
+        bsdf
+    }
+
+    /// A mixture of given lobes (the first `count`), for tests and for materials that are not in a table.
+    pub fn from_lobes(lobes: [Lobe; MAX_LOBES], count: u32, data: &[f32], wi: Vec3) -> Bsdf {
+        let mut bsdf = Bsdf {
+            lobes,
+            selection: [0.0; MAX_LOBES],
+            count: count.min(MAX_LOBES as u32),
+        };
+        bsdf.select(data, wi);
+        bsdf
+    }
+
+    /// Fills the selection probabilities.
+    #[inline]
+    fn select(&mut self, data: &[f32], wi: Vec3) {
+        if self.count == 1 {
+            self.selection[0] = 1.0;
+            return;
+        }
+        let mut sum = 0.0;
+        for i in 0..self.count as usize {
+            let w = lobe::selection_weight(&self.lobes[i], data, wi);
+            self.selection[i] = w;
+            sum += w;
+        }
+        if sum <= 0.0 {
+            self.count = 0;
+            return;
+        }
+        for i in 0..self.count as usize {
+            self.selection[i] /= sum;
+        }
+    }
+
+    /// Number of lobes.
+    #[inline]
+    pub fn lobe_count(&self) -> u32 {
+        self.count
+    }
+
+    /// Lobe `i`.
+    #[inline]
+    pub fn lobe(&self, i: u32) -> Lobe {
+        self.lobes[i as usize]
+    }
+
+    /// Probability of choosing lobe `i`.
+    #[inline]
+    pub fn selection(&self, i: u32) -> f32 {
+        self.selection[i as usize]
+    }
+
+    /// f |cos| without the discrete parts; each lobe's cosine is that of its own normal.
+    #[inline]
+    pub fn eval_cosine(&self, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+        let mut f = Vec3::ZERO;
+        for i in 0..self.count as usize {
+            let lobe = &self.lobes[i];
+            f += lobe::eval_cosine(lobe, data, wi, wo) * lobe.weight;
+        }
+        f
+    }
+
+    /// Density of [`Bsdf::sample`] per solid angle, without the discrete parts.
+    #[inline]
+    pub fn pdf(&self, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+        let mut p = 0.0;
+        for i in 0..self.count as usize {
+            p += lobe::pdf(&self.lobes[i], data, wi, wo) * self.selection[i];
+        }
+        p
+    }
+
+    /// [`Bsdf::eval_cosine`] and [`Bsdf::pdf`] in one pass.
+    #[inline]
+    pub fn eval_cosine_pdf(&self, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
+        self.eval_cosine_pdf_but(data, wi, wo, MAX_LOBES)
+    }
+
+    /// Sum over all lobes but the one at `skip`.
+    #[inline]
+    fn eval_cosine_pdf_but(&self, data: &[f32], wi: Vec3, wo: Vec3, skip: usize) -> (Rgb, f32) {
+        let mut f = Vec3::ZERO;
+        let mut p = 0.0;
+        for i in 0..self.count as usize {
+            if i == skip {
+                continue;
+            }
+            let lobe = &self.lobes[i];
+            let (lobe_f, lobe_p) = lobe::eval_cosine_pdf(lobe, data, wi, wo);
+            f += lobe_f * lobe.weight;
+            p += lobe_p * self.selection[i];
+        }
+        (f, p)
+    }
+
+    /// A direction with weight f |cos| / pdf of the whole mixture.
+    #[inline]
+    pub fn sample(&self, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
+        if self.count == 0 {
+            return BsdfSample::NONE;
+        }
+        if self.count == 1 {
+            let mut s = lobe::sample(&self.lobes[0], data, wi, u1, u2);
+            s.weight *= self.lobes[0].weight;
+            return s;
+        }
+        // Inversion of the discrete distribution; the remainder of u1 is uniform again.
+        let mut chosen = 0;
+        let mut u = u1;
+        while chosen + 1 < self.count as usize && u >= self.selection[chosen] {
+            u -= self.selection[chosen];
+            chosen += 1;
+        }
+        let q = self.selection[chosen];
+        if q <= 0.0 {
+            return BsdfSample::NONE;
+        }
+        let lobe = &self.lobes[chosen];
+        let mut s = lobe::sample(lobe, data, wi, (u / q).min(ONE_MINUS_EPSILON), u2);
+        if s.pdf <= 0.0 {
+            return BsdfSample::NONE;
+        }
+        if s.event & event::DELTA != 0 {
+            s.weight *= lobe.weight / q;
+            s.pdf *= q;
+            return s;
+        }
+        let (f, p) = self.eval_cosine_pdf_but(data, wi, s.wo, chosen);
+        let value = s.weight * (s.pdf * lobe.weight) + f;
+        s.pdf = s.pdf * q + p;
+        s.weight = value / s.pdf;
+        s
+    }
+
+    /// Whether some direction has a density: whether next event estimation can contribute.
+    #[inline]
+    pub fn has_smooth(&self) -> bool {
+        for i in 0..self.count as usize {
+            if !lobe::is_delta(self.lobes[i].kind) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether some direction is a discrete one.
+    #[inline]
+    pub fn has_delta(&self) -> bool {
+        for i in 0..self.count as usize {
+            if lobe::has_delta(self.lobes[i].kind) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Share of the light that passes straight on, for shadow rays through masks.
+    #[inline]
+    pub fn null_transmittance(&self) -> Rgb {
+        let mut sum = 0.0;
+        for i in 0..self.count as usize {
+            if self.lobes[i].kind == lobe_kind::NULL {
+                sum += self.lobes[i].weight;
+            }
+        }
+        Vec3::splat(float::abs(sum).min(1.0))
+    }
+
+    /// Approximate directional albedo for the albedo layer: weighted sum of the lobes' colours.
+    #[inline]
+    pub fn albedo(&self, data: &[f32], wi: Vec3) -> Rgb {
+        let mut sum = Vec3::ZERO;
+        for i in 0..self.count as usize {
+            sum += lobe::albedo(&self.lobes[i], data, wi) * self.lobes[i].weight;
+        }
+        sum
+    }
+}
+
+/// Largest `f32` below one.
+const ONE_MINUS_EPSILON: f32 = 1.0 - 0.5 * f32::EPSILON;
+
+/// Product of a lobe's mixing factors.
+#[inline]
+fn weight(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> f32 {
+    let mut product = 1.0;
+    for i in 0..record.factor_count {
+        let factor = &tables.factors[(record.first_factor + i) as usize];
+        let value = eval_scalar(tables, &factor.parameter, point).clamp(0.0, 1.0);
+        product *= if factor.complement != 0 {
+            1.0 - value
+        } else {
+            value
+        };
+    }
+    product
+}
+
+/// A lobe with the parameters that its kind reads.
+fn lookup(
+    tables: &Tables<'_>,
+    record: &LobeRecord,
+    point: &SurfacePoint,
+    weight: f32,
+    mode: u32,
+) -> Lobe {
+    let mut lobe = Lobe::NONE;
+    lobe.kind = record.kind;
+    lobe.flags = record.flags;
+    lobe.weight = weight;
+    lobe.mode = mode;
+    if record.kind == lobe_kind::NULL {
+        return lobe;
+    }
+    if record.frame != NONE {
+        lobe.frame = frame_map::perturbed_frame(tables, record.frame, point);
+        lobe.has_frame = true;
+    }
+    if record.kind == lobe_kind::DIFFUSE {
+        lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
+        return lobe;
+    }
+    lobe.distribution = record.distribution;
+    lobe.table = record.table;
+    lobe.internal_reflectance = record.internal_reflectance;
+    lobe.specular_reflectance = eval_rgb(tables, &record.specular_reflectance, point);
+    lobe.eta = eval_rgb(tables, &record.eta, point);
+    match record.kind {
+        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => {
+            lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
+        }
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
+            lobe.k = eval_rgb(tables, &record.k, point);
+        }
+        _ => {
+            lobe.specular_transmittance = eval_rgb(tables, &record.specular_transmittance, point);
+        }
+    }
+    if record.kind == lobe_kind::ROUGH_CONDUCTOR
+        || record.kind == lobe_kind::ROUGH_DIELECTRIC
+        || record.kind == lobe_kind::ROUGH_PLASTIC
+    {
+        let alpha_u = eval_scalar(tables, &record.alpha_u, point);
+        let alpha_v = if record.alpha_v == record.alpha_u {
+            alpha_u
+        } else {
+            eval_scalar(tables, &record.alpha_v, point)
+        };
+        lobe.alpha = Vec2::new(alpha_u.max(MIN_ALPHA), alpha_v.max(MIN_ALPHA));
+    }
+    lobe
+}

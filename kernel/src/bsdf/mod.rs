@@ -4,11 +4,18 @@
 //! plain values. Directions are in the local frame of the surface point: z is the shading normal, `wi` is known (towards
 //! the sensor on camera paths), `wo` is sampled.
 
+pub mod conductor;
+pub mod dielectric;
 pub mod diffuse;
 pub mod frame_map;
+pub mod fresnel;
 pub mod lobe;
+pub mod microfacet;
 pub mod mixture;
 pub mod null;
+pub mod rough_conductor;
+pub mod rough_dielectric;
+pub mod thin_dielectric;
 
 pub use mixture::Bsdf;
 

@@ -1,0 +1,98 @@
+//! Rough conductor: microfacets that are conducting mirrors.
+//!
+//! `f = specular_reflectance F(wi.m) D(m) G1(wi) G1(wo) / (4 wi.z wo.z)`, `m` the half vector (Cook and Torrance 1982
+//! in the form of Walter et al. 2007, equation 20), written with projected areas `A = w.z / G1`: `F D / (4 A A)`, which
+//! has no pole. One-sided: nothing when `wi` or `wo` is below the horizon.
+//!
+//! Normals are sampled from those visible to `wi`; with [`lobe_flag::SAMPLE_ALL_NORMALS`] from `D(m) m.z`. Checked: the
+//! density by chi-square, reciprocity, values against another renderer.
+
+use super::fresnel::{fresnel_conductor, reflect};
+use super::microfacet::{
+    distribution, normal_pdf, projected_area, sample_normal, sample_visible_normal,
+    visible_normal_pdf,
+};
+use super::{BsdfSample, Lobe, event};
+use crate::math::Rgb;
+use crate::scene::lobe_flag;
+use glam::{Vec2, Vec3};
+
+/// BSDF without a cosine.
+#[inline]
+pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
+    if wi.z <= 0.0 || wo.z <= 0.0 {
+        return Rgb::ZERO;
+    }
+    let m = (wi + wo).normalize_or_zero();
+    let area = projected_area(lobe.distribution, lobe.alpha, wi)
+        * projected_area(lobe.distribution, lobe.alpha, wo);
+    let f = 0.25 * distribution(lobe.distribution, lobe.alpha, m) / area;
+    lobe.specular_reflectance * fresnel_conductor(wi.dot(m), lobe.eta, lobe.k) * f
+}
+
+/// Density of [`sample`] per solid angle.
+#[inline]
+pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
+    if wi.z <= 0.0 || wo.z <= 0.0 {
+        return 0.0;
+    }
+    let m = (wi + wo).normalize_or_zero();
+    let cos_i = wi.dot(m);
+    if cos_i <= 0.0 {
+        return 0.0;
+    }
+    pdf_of_normal(lobe, wi, m) * solid_angle_of_reflection(cos_i)
+}
+
+/// A direction reflected at a sampled normal; `u1` is not used.
+#[inline]
+pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
+    if wi.z <= 0.0 {
+        return BsdfSample::NONE;
+    }
+    let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
+    let m = if all {
+        sample_normal(lobe.distribution, lobe.alpha, u2)
+    } else {
+        sample_visible_normal(lobe.distribution, lobe.alpha, wi, u2)
+    };
+    let cos_i = wi.dot(m);
+    let wo = reflect(wi, m);
+    if cos_i <= 0.0 || wo.z <= 0.0 {
+        return BsdfSample::NONE;
+    }
+    let pdf = pdf_of_normal(lobe, wi, m) * solid_angle_of_reflection(cos_i);
+    if pdf <= 0.0 {
+        return BsdfSample::NONE;
+    }
+    let masking_o = wo.z / projected_area(lobe.distribution, lobe.alpha, wo);
+    // f cos / pdf: D cancels, and with visible normals so does everything that belongs to wi.
+    let weight = if all {
+        masking_o * cos_i / (projected_area(lobe.distribution, lobe.alpha, wi) * m.z)
+    } else {
+        masking_o
+    };
+    BsdfSample {
+        wo,
+        weight: lobe.specular_reflectance * fresnel_conductor(cos_i, lobe.eta, lobe.k) * weight,
+        pdf,
+        eta: 1.0,
+        event: event::GLOSSY | event::REFLECTION,
+    }
+}
+
+/// Density per solid angle of the sampled normal.
+#[inline]
+fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
+    if lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0 {
+        normal_pdf(lobe.distribution, lobe.alpha, m)
+    } else {
+        visible_normal_pdf(lobe.distribution, lobe.alpha, wi, m)
+    }
+}
+
+/// Solid angle of half vectors per solid angle of `wo`, `1 / (4 |wi.m|)` (Walter et al. 2007, equation 14).
+#[inline]
+fn solid_angle_of_reflection(cos_i: f32) -> f32 {
+    0.25 / cos_i
+}

@@ -1,4 +1,10 @@
 //! Halflight.
 
+pub mod aov;
+pub mod atomic_file;
 pub mod bytes;
+pub mod exr_output;
+pub mod film;
 pub mod image_io;
+pub mod image_metadata;
+pub mod png_output;

@@ -1,0 +1,182 @@
+//! Arbitrary output variables: which layers an image carries, and the surface features of one camera sample.
+//!
+//! `albedo`, `normal`, `depth`, `position` and `uv` are accumulated per sample; `variance` and `samples` are read off
+//! the radiance statistics, so they cost nothing while rendering and are only a choice of what is written.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// One output variable beside radiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Aov {
+    /// Directional albedo of the first surface, RGB.
+    Albedo,
+    /// Shading normal in world space.
+    Normal,
+    /// Distance along the camera ray, in scene units.
+    Depth,
+    /// Position in world space.
+    Position,
+    /// Texture coordinates.
+    Uv,
+    /// Variance of the pixel's mean radiance, RGB.
+    Variance,
+    /// Number of samples of the pixel.
+    Samples,
+}
+
+impl Aov {
+    /// Every output variable, in the order of the accumulators.
+    pub const ALL: [Self; 7] = [
+        Self::Albedo,
+        Self::Normal,
+        Self::Depth,
+        Self::Position,
+        Self::Uv,
+        Self::Variance,
+        Self::Samples,
+    ];
+
+    /// Name on the command line and of the EXR layer.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+            Self::Position => "position",
+            Self::Uv => "uv",
+            Self::Variance => "variance",
+            Self::Samples => "samples",
+        }
+    }
+
+    /// Suffixes of the layer's EXR channels; empty for the one channel that is named as its layer.
+    pub const fn channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Albedo | Self::Variance => &["R", "G", "B"],
+            Self::Normal | Self::Position => &["X", "Y", "Z"],
+            Self::Depth => &["Z"],
+            Self::Uv => &["U", "V"],
+            Self::Samples => &[],
+        }
+    }
+
+    /// Numbers accumulated per pixel; zero for what the radiance statistics hold already.
+    pub const fn accumulators(self) -> usize {
+        match self {
+            Self::Albedo | Self::Normal | Self::Position => 3,
+            Self::Uv => 2,
+            Self::Depth => 1,
+            Self::Variance | Self::Samples => 0,
+        }
+    }
+
+    const fn bit(self) -> u8 {
+        1 << self as u8
+    }
+}
+
+impl fmt::Display for Aov {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that is no output variable.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, variance, samples)"
+)]
+pub struct UnknownAov(pub String);
+
+impl FromStr for Aov {
+    type Err = UnknownAov;
+
+    fn from_str(name: &str) -> Result<Self, UnknownAov> {
+        Self::ALL
+            .into_iter()
+            .find(|aov| aov.name() == name)
+            .ok_or_else(|| UnknownAov(name.to_owned()))
+    }
+}
+
+/// A set of output variables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct AovSet(u8);
+
+impl AovSet {
+    /// No variable: radiance alone.
+    pub const NONE: Self = Self(0);
+
+    /// Whether the set holds `aov`.
+    pub const fn contains(self, aov: Aov) -> bool {
+        self.0 & aov.bit() != 0
+    }
+
+    /// The set with `aov` added.
+    #[must_use]
+    pub const fn with(self, aov: Aov) -> Self {
+        Self(self.0 | aov.bit())
+    }
+
+    /// The variables of the set, in the order of the accumulators.
+    pub fn iter(self) -> impl Iterator<Item = Aov> {
+        Aov::ALL.into_iter().filter(move |&aov| self.contains(aov))
+    }
+
+    /// Whether a front end has to compute surface features for the film at all.
+    pub const fn needs_surface(self) -> bool {
+        self.accumulators() > 0
+    }
+
+    /// Numbers accumulated per pixel.
+    pub const fn accumulators(self) -> usize {
+        self.offset_of_bit(Aov::ALL.len())
+    }
+
+    /// Where the accumulators of `aov` begin within those of a pixel.
+    pub const fn offset(self, aov: Aov) -> usize {
+        self.offset_of_bit(aov as usize)
+    }
+
+    const fn offset_of_bit(self, end: usize) -> usize {
+        let mut offset = 0;
+        let mut i = 0;
+        while i < end {
+            if self.contains(Aov::ALL[i]) {
+                offset += Aov::ALL[i].accumulators();
+            }
+            i += 1;
+        }
+        offset
+    }
+}
+
+impl FromIterator<Aov> for AovSet {
+    fn from_iter<I: IntoIterator<Item = Aov>>(aovs: I) -> Self {
+        aovs.into_iter().fold(Self::NONE, Self::with)
+    }
+}
+
+impl fmt::Display for AovSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<_> = self.iter().map(Aov::name).collect();
+        f.write_str(&names.join(","))
+    }
+}
+
+/// Surface features of one camera sample; the default, all zero, is a ray that hit nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AovSample {
+    /// Directional albedo, linear sRGB.
+    pub albedo: [f32; 3],
+    /// Shading normal in world space.
+    pub normal: [f32; 3],
+    /// Distance along the camera ray, in scene units.
+    pub depth: f32,
+    /// Position in world space.
+    pub position: [f32; 3],
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+}

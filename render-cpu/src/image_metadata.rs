@@ -1,0 +1,148 @@
+//! What an image says about its making: the attributes of its EXR file.
+//!
+//! Attributes are text, named `scene`, `integrator`, `sampler`, `seed`, `spp`, `sampleRanges`, `renderSeconds` and
+//! `software`, so that every EXR tool shows them. `sampleRanges` is the record that makes merging safe: which samples
+//! of which seeds the image holds, as in `1:0..64 2:0..64`.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Samples `from` (included) to `to` (excluded) of the random sequence of one seed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SampleRange {
+    /// Seed of the random sequence.
+    pub seed: u64,
+    /// First sample.
+    pub from: u32,
+    /// One after the last sample (of the pixel that has most, if the run was adaptive).
+    pub to: u32,
+}
+
+impl SampleRange {
+    /// Whether the two ranges hold a sample in common; such images are not independent and must not be merged.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.seed == other.seed && self.from.max(other.from) < self.to.min(other.to)
+    }
+}
+
+impl fmt::Display for SampleRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}..{}", self.seed, self.from, self.to)
+    }
+}
+
+/// A text that is no `SEED:FROM..TO`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("\"{0}\" is no sample range of the form SEED:FROM..TO")]
+pub struct InvalidSampleRange(pub String);
+
+impl FromStr for SampleRange {
+    type Err = InvalidSampleRange;
+
+    fn from_str(text: &str) -> Result<Self, InvalidSampleRange> {
+        let parse = || {
+            let (seed, range) = text.split_once(':')?;
+            let (from, to) = range.split_once("..")?;
+            Some(Self {
+                seed: seed.parse().ok()?,
+                from: from.parse().ok()?,
+                to: to.parse().ok()?,
+            })
+        };
+        parse()
+            .filter(|range| range.from <= range.to)
+            .ok_or_else(|| InvalidSampleRange(text.to_owned()))
+    }
+}
+
+/// Joins ranges of the same seed that touch, and sorts them.
+pub fn join_ranges(ranges: &[SampleRange]) -> Vec<SampleRange> {
+    let mut sorted = ranges.to_vec();
+    sorted.sort_unstable();
+    let mut joined: Vec<SampleRange> = Vec::new();
+    for range in sorted {
+        match joined.last_mut() {
+            Some(last) if last.seed == range.seed && last.to == range.from => last.to = range.to,
+            _ => joined.push(range),
+        }
+    }
+    joined
+}
+
+/// How an image was made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImageMetadata {
+    /// Name of the scene, as given.
+    pub scene: String,
+    /// Light-transport algorithm.
+    pub integrator: String,
+    /// Random or quasi-random sequence.
+    pub sampler: String,
+    /// Program and version.
+    pub software: String,
+    /// Samples per pixel, on average.
+    pub spp: f64,
+    /// The samples that the image holds.
+    pub sample_ranges: Vec<SampleRange>,
+    /// Seconds spent rendering, all runs together.
+    pub render_seconds: f64,
+}
+
+impl ImageMetadata {
+    /// The metadata as attributes: names and values.
+    pub fn attributes(&self) -> Vec<(&'static str, String)> {
+        let mut attributes = vec![
+            ("software", self.software.clone()),
+            ("scene", self.scene.clone()),
+            ("integrator", self.integrator.clone()),
+            ("sampler", self.sampler.clone()),
+            ("spp", self.spp.to_string()),
+            ("renderSeconds", self.render_seconds.to_string()),
+        ];
+        if !self.sample_ranges.is_empty() {
+            let join = |items: Vec<String>| items.join(" ");
+            let mut seeds: Vec<_> = self.sample_ranges.iter().map(|r| r.seed).collect();
+            seeds.dedup();
+            attributes.push(("seed", join(seeds.iter().map(u64::to_string).collect())));
+            attributes.push((
+                "sampleRanges",
+                join(
+                    self.sample_ranges
+                        .iter()
+                        .map(SampleRange::to_string)
+                        .collect(),
+                ),
+            ));
+        }
+        attributes
+    }
+
+    /// The metadata of attributes, looked up by name; what is missing stays at its default.
+    ///
+    /// # Errors
+    /// If the sample ranges are there but cannot be read: such a file must not be merged by guess.
+    pub fn from_attributes(
+        find: impl Fn(&str) -> Option<String>,
+    ) -> Result<Self, InvalidSampleRange> {
+        let text = |name| find(name).unwrap_or_default();
+        let number = |name| {
+            find(name)
+                .and_then(|t| t.parse().ok())
+                .filter(|n: &f64| n.is_finite())
+                .unwrap_or(0.0)
+        };
+        let sample_ranges = text("sampleRanges")
+            .split_whitespace()
+            .map(str::parse)
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            scene: text("scene"),
+            integrator: text("integrator"),
+            sampler: text("sampler"),
+            software: text("software"),
+            spp: number("spp"),
+            sample_ranges,
+            render_seconds: number("renderSeconds"),
+        })
+    }
+}

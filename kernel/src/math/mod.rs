@@ -1,5 +1,6 @@
 //! Numbers, vectors, frames and mappings that everything else stands on.
 
+pub mod affine;
 pub mod distribution;
 pub mod float;
 pub mod frame;

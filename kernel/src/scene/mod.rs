@@ -3,13 +3,17 @@
 //! A front end fills vectors of the [`records`] and lends them as [`Tables`]; with a ray traverser they make a
 //! [`SceneView`], the only thing that transport algorithms see.
 
+pub mod intersect;
+pub mod quadric;
 pub mod records;
 pub mod surface;
 pub mod texture;
 pub mod traverse;
+pub mod triangle;
 pub mod view;
 
+pub use intersect::{offset_origin, segment};
 pub use records::*;
-pub use surface::SurfacePoint;
+pub use surface::{SurfacePoint, surface_at, surface_at_primitive};
 pub use traverse::{Hit, Traverse};
 pub use view::{SceneView, Tables};

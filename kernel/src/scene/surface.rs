@@ -1,6 +1,21 @@
 //! The differential geometry of a point on a surface.
+//!
+//! The position is computed again from the surface's own parameters, never from the ray, so that its error is a few
+//! roundings of the surface's coordinates (Pharr, Jakob, Humphreys 2023, section 6.8): `position_error` bounds how far it
+//! lies off the true surface along the geometric normal, and [`SurfacePoint::spawn`] leaves by that bound. Instances map
+//! positions and tangents by the map and normals by its inverse transpose, so a mirrored instance keeps its outside
+//! outside; the orientation conventions are those of Mitsuba 3 (neither normal is turned towards the other).
 
-use crate::math::Frame;
+use super::intersect::{ROUNDING, offset_by, segment};
+use super::quadric::{quadric_point, quadric_point_at};
+use super::traverse::Hit;
+use super::triangle::triangle_point;
+use super::view::Tables;
+use crate::math::affine::{
+    transform_magnitude, transform_normal, transform_point, transform_vector,
+};
+use crate::math::float::{is_finite, sqrt};
+use crate::math::{Frame, Ray};
 use glam::{Vec2, Vec3};
 
 /// A point on a surface with its first-order surroundings, in world space.
@@ -8,6 +23,9 @@ use glam::{Vec2, Vec3};
 pub struct SurfacePoint {
     /// Position.
     pub position: Vec3,
+    /// Bound on the distance of `position` from the true surface and of intersections near it, along the geometric
+    /// normal.
+    pub position_error: f32,
     /// Unit geometric normal, on the side of the shape's outside (after FLIP_NORMALS).
     pub geometric_normal: Vec3,
     /// Shading frame: n is the unit shading normal, s along dp/du where that is not degenerate.
@@ -34,4 +52,150 @@ pub struct SurfacePoint {
     pub material: u32,
     /// Emitter of the shape, or [`super::NONE`].
     pub emitter: u32,
+}
+
+impl SurfacePoint {
+    /// The position moved off the surface, to the side of `direction`, far enough that a ray from there does not meet
+    /// the surface around the point again.
+    #[inline]
+    pub fn offset_position(&self, direction: Vec3) -> Vec3 {
+        offset_by(
+            self.position,
+            self.geometric_normal,
+            direction,
+            self.position_error,
+        )
+    }
+
+    /// The ray that leaves the surface in the unit `direction`.
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        Ray::new(self.offset_position(direction), direction)
+    }
+
+    /// The segment to a point that is on no surface, for visibility.
+    #[inline]
+    pub fn segment_to(&self, target: Vec3) -> Ray {
+        segment(self.offset_position(target - self.position), target)
+    }
+
+    /// The segment to a point on another surface, for visibility.
+    #[inline]
+    pub fn segment_to_surface(&self, other: &SurfacePoint) -> Ray {
+        let d = other.position - self.position;
+        segment(self.offset_position(d), other.offset_position(-d))
+    }
+}
+
+/// The surface at an intersection found along `ray`. Only for hits ([`Hit::is_hit`]).
+#[inline]
+pub fn surface_at(tables: &Tables<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    let triangle_count = tables.triangles.len() as u32;
+    if hit.primitive < triangle_count {
+        let p = triangle_point(tables, hit.primitive, hit.b1, hit.b2);
+        return place(tables, p, hit.instance);
+    }
+    let quadric = hit.primitive - triangle_count;
+    let to_object = &tables.quadrics[quadric as usize].to_object;
+    let (mut origin, mut direction) = (ray.origin, ray.direction);
+    if hit.instance != 0 {
+        let to_group = &tables.instances[hit.instance as usize].to_object;
+        origin = transform_point(to_group, origin);
+        direction = transform_vector(to_group, direction);
+    }
+    origin = transform_point(to_object, origin);
+    direction = transform_vector(to_object, direction);
+    let p = quadric_point_at(tables, quadric, origin + direction * hit.t);
+    place(tables, p, hit.instance)
+}
+
+/// The surface at parameters of a primitive in the world: barycentric weights `a`, `b` of a triangle's second and third
+/// vertex, or canonical parameters (u, v) in [0, 1]^2 of a quadric.
+#[inline]
+pub fn surface_at_primitive(tables: &Tables<'_>, primitive: u32, a: f32, b: f32) -> SurfacePoint {
+    let triangle_count = tables.triangles.len() as u32;
+    if primitive < triangle_count {
+        triangle_point(tables, primitive, a, b)
+    } else {
+        quadric_point(tables, primitive - triangle_count, a, b)
+    }
+}
+
+/// A point in its group's space, moved to the world by its instance.
+#[inline]
+fn place(tables: &Tables<'_>, point: SurfacePoint, instance: u32) -> SurfacePoint {
+    if instance == 0 {
+        return point;
+    }
+    let to_world = &tables.instances[instance as usize].to_world;
+    let to_object = &tables.instances[instance as usize].to_object;
+    let mut p = point;
+    p.instance = instance;
+    p.position = transform_point(to_world, point.position);
+    p.geometric_normal = unit_or(
+        transform_normal(to_object, point.geometric_normal),
+        point.geometric_normal,
+    );
+    p.dp_du = transform_vector(to_world, point.dp_du);
+    p.dp_dv = transform_vector(to_world, point.dp_dv);
+    let n = transform_normal(to_object, point.frame.n);
+    let normal = NormalMap::new(n, p.geometric_normal);
+    p.dn_du = normal.derivative(transform_normal(to_object, point.dn_du));
+    p.dn_dv = normal.derivative(transform_normal(to_object, point.dn_dv));
+    p.frame = Frame::from_normal_tangent(normal.n, transform_vector(to_world, point.frame.s));
+    // The error in the group, taken through the map along the normal, and the rounding of the map itself. A hit inside
+    // the instance was found with a ray that went through the inverse, so that counts too.
+    let shift = transform_vector(to_world, point.geometric_normal).dot(p.geometric_normal);
+    let rounding = transform_magnitude(to_world, point.position)
+        + crate::math::affine::translation(to_world).abs();
+    p.position_error = point.position_error * shift.abs()
+        + 16.0 * ROUNDING * rounding.dot(p.geometric_normal.abs())
+        + 8.0 * ROUNDING * rounding.max_element();
+    p
+}
+
+/// Normalisation N -> n = N / |N| and what it does to derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct NormalMap {
+    /// The unit vector.
+    pub n: Vec3,
+    /// 1 / |N|, zero where the fallback was taken.
+    inverse_length: f32,
+}
+
+impl NormalMap {
+    /// Normalises `v`, or takes the unit `fallback` with zero derivatives when `v` is zero or not finite.
+    #[inline]
+    pub fn new(v: Vec3, fallback: Vec3) -> NormalMap {
+        let l2 = v.length_squared();
+        if l2 > 1e-30 && l2 < f32::MAX {
+            let inverse_length = 1.0 / sqrt(l2);
+            NormalMap {
+                n: v * inverse_length,
+                inverse_length,
+            }
+        } else {
+            NormalMap {
+                n: fallback,
+                inverse_length: 0.0,
+            }
+        }
+    }
+
+    /// dn = (dN - n (n . dN)) / |N|.
+    #[inline]
+    pub fn derivative(&self, dv: Vec3) -> Vec3 {
+        let d = (dv - self.n * self.n.dot(dv)) * self.inverse_length;
+        if is_finite(d.x) && is_finite(d.y) && is_finite(d.z) {
+            d
+        } else {
+            Vec3::ZERO
+        }
+    }
+}
+
+/// `v` normalised, or the unit `fallback` when `v` is zero or not finite.
+#[inline]
+pub(super) fn unit_or(v: Vec3, fallback: Vec3) -> Vec3 {
+    NormalMap::new(v, fallback).n
 }

@@ -7,4 +7,5 @@ pub mod exr_output;
 pub mod film;
 pub mod image_io;
 pub mod image_metadata;
+pub mod mesh;
 pub mod png_output;

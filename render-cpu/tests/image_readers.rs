@@ -31,8 +31,7 @@ fn test_channels(width: usize, height: usize) -> Vec<AnyChannel<FlatSamples>> {
 }
 
 fn write(width: usize, height: usize, encoding: Encoding, position: (i32, i32)) -> Vec<u8> {
-    let mut attributes = LayerAttributes::default();
-    attributes.layer_position = Vec2(position.0, position.1);
+    let mut attributes = LayerAttributes::default().with_position(Vec2(position.0, position.1));
     attributes
         .other
         .insert(Text::from("spp"), AttributeValue::I32(64));

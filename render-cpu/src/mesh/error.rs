@@ -1,0 +1,61 @@
+//! What can be wrong with a mesh file, and where in it.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Where in a file something is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A line of a text file, counted from one.
+    Line(u64),
+    /// A byte of a binary file, counted from zero.
+    Offset(u64),
+    /// A byte of the decompressed contents of a compressed file, counted from zero.
+    Decompressed(u64),
+    /// The mesh as a whole.
+    Whole,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::Line(line) => write!(f, ":{line}"),
+            Place::Offset(offset) => write!(f, ": at byte {offset}"),
+            Place::Decompressed(offset) => write!(f, ": at byte {offset} after decompression"),
+            Place::Whole => Ok(()),
+        }
+    }
+}
+
+/// Why a mesh could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// The file could not be opened or read.
+    #[error("{}: {source}", file.display())]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The contents are not a usable mesh.
+    #[error("{}{place}: {what}", file.display())]
+    Malformed {
+        /// The file.
+        file: PathBuf,
+        /// Where in the file.
+        place: Place,
+        /// What is wrong.
+        what: String,
+    },
+}
+
+impl MeshError {
+    pub(super) fn malformed(file: &Path, place: Place, what: impl Into<String>) -> MeshError {
+        MeshError::Malformed {
+            file: file.to_owned(),
+            place,
+            what: what.into(),
+        }
+    }
+}

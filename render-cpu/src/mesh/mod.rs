@@ -1,0 +1,297 @@
+//! Triangle meshes and the files that they come from.
+//!
+//! [`obj`], [`ply`] and [`serialized`] each turn bytes into a [`Mesh`]; `read` takes a slice, `load` a path. What they
+//! return has passed [`Mesh::validate`]: whoever holds it may index without checks.
+//!
+//! Readers return the vertex normals of the file and compute none. A file without them gets, in Mitsuba, smooth normals
+//! from the *placed* mesh (the weights are angles, which an affine map changes), so a scene applies its `to_world` first
+//! and calls [`Mesh::compute_vertex_normals`] then, unless face normals are asked for by the scene or by the file
+//! ([`Mesh::face_normals`]).
+//!
+//! # Hostile files
+//! No reader reserves memory for a count that it has not held against the bytes that are left, and none recurses.
+
+mod error;
+pub mod obj;
+pub mod ply;
+mod ply_header;
+pub mod serialized;
+mod triangulate;
+
+pub use error::{MeshError, Place};
+
+use std::path::Path;
+
+/// Longest coordinate that is accepted: the square of a difference of two is still finite in `f32`.
+pub const MAX_COORDINATE: f32 = 1e18;
+
+/// Most bytes of a mesh file.
+const MAX_FILE_BYTES: u64 = 16 << 30;
+
+/// Values per vertex or per face under a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// Name as a Mitsuba `mesh_attribute` texture gives it, such as `vertex_color` or `face_color`.
+    pub name: String,
+    /// Values per vertex or face: 1 or 3.
+    pub channels: u32,
+    /// `channels` values for each vertex or face.
+    pub values: Vec<f32>,
+}
+
+/// An indexed triangle mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Vertex normals of unit length: as many as positions, or none.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates: as many as positions, or none.
+    pub uvs: Vec<[f32; 2]>,
+    /// Indices of the corners of each triangle, anticlockwise seen from the side of the normal.
+    pub triangles: Vec<[u32; 3]>,
+    /// Attributes per vertex.
+    pub vertex_attributes: Vec<Attribute>,
+    /// Attributes per triangle.
+    pub face_attributes: Vec<Attribute>,
+    /// The file asks to be shaded with face normals (`.serialized` only).
+    pub face_normals: bool,
+}
+
+impl Mesh {
+    /// Checks everything that the rest of the program relies on, and repairs what has an obvious repair.
+    ///
+    /// Repairs, each with one warning: degenerate triangles (no area in `f32`) are dropped together with their face
+    /// attributes; a vertex normal that is zero or not finite is replaced by the angle-weighted mean of the normals of
+    /// the adjacent faces; texture coordinates and attribute values that are not finite become zero. Normals are
+    /// normalised. `file` is for messages only.
+    ///
+    /// # Errors
+    /// When a position is not finite or beyond [`MAX_COORDINATE`], a triangle refers to a vertex that does not exist,
+    /// a table has the wrong length, or no triangle with an area is left.
+    pub fn validate(&mut self, file: &Path) -> Result<(), MeshError> {
+        let fail = |what: String| Err(MeshError::malformed(file, Place::Whole, what));
+        let count = self.positions.len();
+        if count > u32::MAX as usize || self.triangles.len() > u32::MAX as usize {
+            return fail("the mesh has more vertices or triangles than 32 bits can count".into());
+        }
+        if !(self.normals.is_empty() || self.normals.len() == count)
+            || !(self.uvs.is_empty() || self.uvs.len() == count)
+        {
+            return fail("normals or texture coordinates do not match the vertices".into());
+        }
+        let tables = [
+            (&self.vertex_attributes, count),
+            (&self.face_attributes, self.triangles.len()),
+        ];
+        for (attributes, count) in tables {
+            for attribute in attributes {
+                if !matches!(attribute.channels, 1 | 3)
+                    || attribute.values.len() != count * attribute.channels as usize
+                {
+                    return fail(format!(
+                        "attribute \"{}\" does not match the mesh",
+                        attribute.name
+                    ));
+                }
+            }
+        }
+        if let Some(i) = self.positions.iter().position(|p| !is_usable(p)) {
+            let p = self.positions[i];
+            return fail(format!(
+                "vertex {i} (counted from zero) is not a usable point: {p:?}"
+            ));
+        }
+        if let Some((t, bad)) = self.first_index_out_of_range() {
+            return fail(format!(
+                "triangle {t} (counted from zero) refers to vertex {bad}, but there are {count}"
+            ));
+        }
+        self.drop_degenerate_triangles(file);
+        if self.triangles.is_empty() {
+            return fail("the mesh has no triangle with an area".into());
+        }
+        self.repair_normals(file);
+        self.repair_values(file);
+        Ok(())
+    }
+
+    /// Sets smooth vertex normals: the mean of the normals of the adjacent triangles, weighted by the triangle's angle
+    /// at the vertex (Thürmer and Wüthrich, "Computing vertex normals from polygonal facets", 1998), as Mitsuba 3 does.
+    /// A vertex without adjacent triangles gets (1, 0, 0).
+    ///
+    /// # Panics
+    /// When a triangle's index is out of range, which [`Mesh::validate`] rules out.
+    pub fn compute_vertex_normals(&mut self) {
+        let mut sums = vec![[0.0_f32; 3]; self.positions.len()];
+        for triangle in &self.triangles {
+            let corners = triangle.map(|i| to_f64(self.positions[i as usize]));
+            let normal = face_normal(&corners);
+            for k in 0..3 {
+                let a = subtract(corners[(k + 1) % 3], corners[k]);
+                let b = subtract(corners[(k + 2) % 3], corners[k]);
+                // atan2 of |sin| and cos is accurate for all angles, acos is not near 0 and pi.
+                let angle = length(cross(a, b)).atan2(dot(a, b));
+                let sum = &mut sums[triangle[k] as usize];
+                for axis in 0..3 {
+                    sum[axis] += (angle * normal[axis]) as f32;
+                }
+            }
+        }
+        for sum in &mut sums {
+            *sum = normalized(*sum).unwrap_or([1.0, 0.0, 0.0]);
+        }
+        self.normals = sums;
+    }
+
+    fn first_index_out_of_range(&self) -> Option<(usize, u32)> {
+        let count = self.positions.len();
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            for &index in triangle {
+                if index as usize >= count {
+                    return Some((t, index));
+                }
+            }
+        }
+        None
+    }
+
+    fn drop_degenerate_triangles(&mut self, file: &Path) {
+        let positions = &self.positions;
+        let keep: Vec<bool> = self
+            .triangles
+            .iter()
+            .map(|t| has_area(&t.map(|i| positions[i as usize])))
+            .collect();
+        let dropped = keep.iter().filter(|k| !**k).count();
+        if dropped == 0 {
+            return;
+        }
+        tracing::warn!(
+            "{}: {dropped} of {} triangles have no area and are dropped",
+            file.display(),
+            keep.len()
+        );
+        let mut kept = keep.iter();
+        self.triangles.retain(|_| kept.next() == Some(&true));
+        for attribute in &mut self.face_attributes {
+            let channels = attribute.channels as usize;
+            let mut i = 0;
+            attribute.values.retain(|_| {
+                i += 1;
+                keep[(i - 1) / channels]
+            });
+        }
+    }
+
+    fn repair_normals(&mut self, file: &Path) {
+        let mut bad = Vec::new();
+        for (i, normal) in self.normals.iter_mut().enumerate() {
+            match normalized(*normal) {
+                Some(unit) => *normal = unit,
+                None => bad.push(i),
+            }
+        }
+        if bad.is_empty() {
+            return;
+        }
+        tracing::warn!(
+            "{}: {} vertex normals are zero or not finite and are replaced by those of the faces",
+            file.display(),
+            bad.len()
+        );
+        let given = std::mem::take(&mut self.normals);
+        self.compute_vertex_normals();
+        let computed = std::mem::replace(&mut self.normals, given);
+        for i in bad {
+            self.normals[i] = computed[i];
+        }
+    }
+
+    fn repair_values(&mut self, file: &Path) {
+        let mut repaired = 0_usize;
+        let attributes = self
+            .vertex_attributes
+            .iter_mut()
+            .chain(&mut self.face_attributes)
+            .flat_map(|attribute| &mut attribute.values);
+        for value in self.uvs.as_flattened_mut().iter_mut().chain(attributes) {
+            if !value.is_finite() {
+                *value = 0.0;
+                repaired += 1;
+            }
+        }
+        if repaired > 0 {
+            tracing::warn!(
+                "{}: {repaired} texture coordinates or attribute values are not finite and become zero",
+                file.display()
+            );
+        }
+    }
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, MeshError> {
+    crate::bytes::read_file(path, MAX_FILE_BYTES).map_err(|source| MeshError::Io {
+        file: path.to_owned(),
+        source,
+    })
+}
+
+/// Whether a position is finite and not absurdly far.
+fn is_usable(position: &[f32; 3]) -> bool {
+    // Written so that NaN fails.
+    position.iter().all(|x| x.abs() <= MAX_COORDINATE)
+}
+
+/// Whether the squared length of the edges' cross product is positive in `f32`.
+fn has_area(corners: &[[f32; 3]; 3]) -> bool {
+    let corners = corners.map(to_f64);
+    let c = cross(
+        subtract(corners[1], corners[0]),
+        subtract(corners[2], corners[0]),
+    );
+    dot(c, c) as f32 > 0.0
+}
+
+fn face_normal(corners: &[[f64; 3]; 3]) -> [f64; 3] {
+    let n = cross(
+        subtract(corners[1], corners[0]),
+        subtract(corners[2], corners[0]),
+    );
+    let length = length(n);
+    if length > 0.0 {
+        n.map(|x| x / length)
+    } else {
+        [0.0; 3]
+    }
+}
+
+/// The unit vector along `v`, or `None` for zero and for vectors that are not finite.
+fn normalized(v: [f32; 3]) -> Option<[f32; 3]> {
+    let length = length(to_f64(v));
+    (length > 0.0 && length.is_finite()).then(|| v.map(|x| (f64::from(x) / length) as f32))
+}
+
+fn to_f64(v: [f32; 3]) -> [f64; 3] {
+    v.map(f64::from)
+}
+
+fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    dot(v, v).sqrt()
+}

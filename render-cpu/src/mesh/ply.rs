@@ -1,0 +1,404 @@
+//! PLY meshes: ascii and binary of both byte orders.
+//!
+//! Of the element `vertex` are read: positions `x y z`; normals `nx ny nz`; texture coordinates `u v`, `s t` or
+//! `texture_u texture_v`; and attributes. Of the element `face`: the list `vertex_indices` or `vertex_index`, with
+//! polygons triangulated, and attributes, repeated for each triangle of a polygon. Other elements are skipped.
+//!
+//! # Attributes
+//! As in Mitsuba 3, consecutive properties with a common stem are the channels of one attribute, and there must be one
+//! or three: `r g b` and `red green blue` make `vertex_color`, `foo_r foo_g foo_b` make `vertex_foo_color`, `foo_0 ...`
+//! and `foo_x foo_y foo_z` make `vertex_foo` (`face_` for faces). Properties without a suffix are skipped. Two
+//! differences: colours of type `uchar` and `ushort` are scaled to [0, 1], which Mitsuba leaves as they are with a warning,
+//! and a fourth colour channel (alpha) is ignored rather than the whole attribute.
+//!
+//! # Why not a library
+//! `ply-rs-bw` reads the format with bounded reservations, but its own element is a map from names to values for each
+//! vertex, and its typed elements leave to the caller what is most of the work here: columns that are grouped at run time
+//! by their names. What is left over, the header, is the smaller part.
+
+use super::ply_header::{Element, Encoding, Header, Property, Scalar};
+use super::triangulate::Triangulator;
+use super::{Attribute, Mesh, MeshError, Place, read_file};
+use std::path::Path;
+
+/// What Mitsuba's `ply` plugin assumes for `flip_tex_coords`.
+pub const DEFAULT_FLIP_TEX_COORDS: bool = false;
+
+/// Reads a file; see [`read`].
+///
+/// # Errors
+/// When the file cannot be read, and as [`read`].
+pub fn load(path: impl AsRef<Path>, flip_tex_coords: bool) -> Result<Mesh, MeshError> {
+    let path = path.as_ref();
+    read(&read_file(path)?, flip_tex_coords, path)
+}
+
+/// Reads a PLY file from memory. `flip_tex_coords` replaces v by 1 - v; `file` is for messages only.
+///
+/// # Errors
+/// When the header or the values cannot be understood (with the line, or the offset in a binary file), and as
+/// [`Mesh::validate`].
+pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, MeshError> {
+    let header = Header::read(bytes, file)?;
+    let mut values = Values {
+        bytes,
+        position: header.end,
+        line: header.lines + 1,
+        encoding: header.encoding,
+    };
+    let mut mesh = Mesh::default();
+    for element in &header.elements {
+        let result = match element.name.as_str() {
+            "vertex" if mesh.positions.is_empty() => read_vertices(element, &mut values, &mut mesh),
+            "face" if mesh.triangles.is_empty() => {
+                read_faces(element, &mut values, &mut mesh, file)
+            }
+            _ => skip(element, &mut values),
+        };
+        result.map_err(|what| MeshError::malformed(file, values.place(), what))?;
+    }
+    if flip_tex_coords {
+        for uv in &mut mesh.uvs {
+            uv[1] = 1.0 - uv[1];
+        }
+    }
+    mesh.validate(file)?;
+    Ok(mesh)
+}
+
+/// The numbers after the header.
+struct Values<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    line: u64,
+    encoding: Encoding,
+}
+
+impl Values<'_> {
+    fn place(&self) -> Place {
+        match self.encoding {
+            Encoding::Ascii => Place::Line(self.line),
+            _ => Place::Offset(self.position as u64),
+        }
+    }
+
+    /// Fails unless the rest of the file can hold `count` rows; the one guard before memory is reserved.
+    fn check_room(&self, element: &Element) -> Result<usize, String> {
+        let rest = (self.bytes.len() - self.position) as u64;
+        let needed = element
+            .count
+            .saturating_mul(element.min_bytes(self.encoding));
+        if needed > rest {
+            return Err(format!(
+                "{} rows of \"{}\" are announced, which is more than the file holds",
+                element.count, element.name
+            ));
+        }
+        if element.count > 0 && element.properties.is_empty() {
+            return Err(format!("\"{}\" has no properties", element.name));
+        }
+        Ok(element.count as usize)
+    }
+
+    fn next(&mut self, scalar: Scalar) -> Result<f64, String> {
+        if self.encoding == Encoding::Ascii {
+            return self.next_ascii(scalar);
+        }
+        let mut word = [0; 8];
+        let size = scalar.bytes();
+        let bytes = self
+            .bytes
+            .get(self.position..self.position + size)
+            .ok_or("the file ends here, too early")?;
+        // Little-endian in the low bytes of the word.
+        for (k, &byte) in bytes.iter().enumerate() {
+            match self.encoding {
+                Encoding::BigEndian => word[size - 1 - k] = byte,
+                _ => word[k] = byte,
+            }
+        }
+        self.position += size;
+        let bits = u64::from_le_bytes(word);
+        Ok(match scalar {
+            Scalar::I8 => f64::from(bits as u8 as i8),
+            Scalar::U8 => f64::from(bits as u8),
+            Scalar::I16 => f64::from(bits as u16 as i16),
+            Scalar::U16 => f64::from(bits as u16),
+            Scalar::I32 => f64::from(bits as u32 as i32),
+            Scalar::U32 => f64::from(bits as u32),
+            Scalar::F32 => f64::from(f32::from_bits(bits as u32)),
+            Scalar::F64 => f64::from_bits(bits),
+        })
+    }
+
+    fn next_ascii(&mut self, scalar: Scalar) -> Result<f64, String> {
+        while let Some(&byte) = self.bytes.get(self.position) {
+            if !byte.is_ascii_whitespace() {
+                break;
+            }
+            self.line += u64::from(byte == b'\n');
+            self.position += 1;
+        }
+        let rest = &self.bytes[self.position..];
+        if rest.is_empty() {
+            return Err("the file ends here, too early".into());
+        }
+        let end = rest.iter().position(u8::is_ascii_whitespace);
+        let word = &rest[..end.unwrap_or(rest.len())];
+        let text = std::str::from_utf8(word).unwrap_or("");
+        let number = match scalar {
+            // Rounded once, to the type of the file.
+            Scalar::F32 => text.parse::<f32>().map(f64::from),
+            _ => text.parse::<f64>(),
+        };
+        let number = number.map_err(|_| {
+            let shown = word[..word.len().min(40)].escape_ascii();
+            format!("\"{shown}\" is not a number")
+        })?;
+        self.position += word.len();
+        Ok(number)
+    }
+
+    /// The length of a list.
+    fn next_length(&mut self, scalar: Scalar) -> Result<usize, String> {
+        let number = self.next(scalar)?;
+        // A value takes a byte at least, and what is longer than the file fails before anything is read of it.
+        if number < 0.0 || number.fract() != 0.0 || number > (self.bytes.len()) as f64 {
+            return Err(format!("{number} is no length of a list in this file"));
+        }
+        Ok(number as usize)
+    }
+
+    fn skip_property(&mut self, property: &Property) -> Result<(), String> {
+        let count = match property.list {
+            Some(length) => self.next_length(length)?,
+            None => 1,
+        };
+        for _ in 0..count {
+            self.next(property.scalar)?;
+        }
+        Ok(())
+    }
+}
+
+fn skip(element: &Element, values: &mut Values<'_>) -> Result<(), String> {
+    for _ in 0..values.check_room(element)? {
+        for property in &element.properties {
+            values.skip_property(property)?;
+        }
+    }
+    Ok(())
+}
+
+/// Where a number of a row goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Target {
+    Skip,
+    Position(usize),
+    Normal(usize),
+    Uv(usize),
+    /// Attribute and factor; channels follow one another.
+    Attribute(usize, f64),
+}
+
+fn read_vertices(
+    element: &Element,
+    values: &mut Values<'_>,
+    mesh: &mut Mesh,
+) -> Result<(), String> {
+    let count = values.check_room(element)?;
+    let names: Vec<&str> = element
+        .properties
+        .iter()
+        .map(|p| {
+            if p.list.is_none() {
+                p.name.as_str()
+            } else {
+                ""
+            }
+        })
+        .collect();
+    let has = |wanted: &[&str]| wanted.iter().all(|name| names.contains(name));
+    let places = ["x", "y", "z"];
+    let normals = ["nx", "ny", "nz"];
+    if !has(&places) {
+        return Err("the vertices have no x, y and z".into());
+    }
+    let has_normals = has(&normals);
+    let uvs = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]]
+        .into_iter()
+        .find(|pair| has(pair));
+
+    let (mut targets, attributes) = attribute_targets(element, "vertex_");
+    for (target, name) in targets.iter_mut().zip(&names) {
+        let index = |list: &[&str]| list.iter().position(|n| n == name);
+        if let Some(k) = index(&places) {
+            *target = Target::Position(k);
+        } else if let Some(k) = index(&normals).filter(|_| has_normals) {
+            *target = Target::Normal(k);
+        } else if let Some(k) = uvs.and_then(|pair| index(&pair)) {
+            *target = Target::Uv(k);
+        }
+    }
+    mesh.vertex_attributes = attributes;
+    mesh.positions.reserve(count);
+    for _ in 0..count {
+        let (mut position, mut normal, mut uv) = ([0.0; 3], [0.0; 3], [0.0; 2]);
+        for (property, target) in element.properties.iter().zip(&targets) {
+            if property.list.is_some() {
+                values.skip_property(property)?;
+                continue;
+            }
+            let number = values.next(property.scalar)?;
+            match *target {
+                Target::Skip => {}
+                Target::Position(k) => position[k] = number as f32,
+                Target::Normal(k) => normal[k] = number as f32,
+                Target::Uv(k) => uv[k] = number as f32,
+                Target::Attribute(a, factor) => mesh.vertex_attributes[a]
+                    .values
+                    .push((number * factor) as f32),
+            }
+        }
+        mesh.positions.push(position);
+        if has_normals {
+            mesh.normals.push(normal);
+        }
+        if uvs.is_some() {
+            mesh.uvs.push(uv);
+        }
+    }
+    Ok(())
+}
+
+fn read_faces(
+    element: &Element,
+    values: &mut Values<'_>,
+    mesh: &mut Mesh,
+    file: &Path,
+) -> Result<(), String> {
+    let count = values.check_room(element)?;
+    let is_indices = |p: &Property| {
+        p.list.is_some() && matches!(p.name.as_str(), "vertex_indices" | "vertex_index")
+    };
+    let indices_at = element
+        .properties
+        .iter()
+        .position(is_indices)
+        .ok_or("the faces have no list \"vertex_indices\"")?;
+    let (targets, mut attributes) = attribute_targets(element, "face_");
+    let mut triangulator = Triangulator::new();
+    let mut corners: Vec<u32> = Vec::new();
+    let mut corner_positions = Vec::new();
+    let mut row = vec![Vec::new(); attributes.len()];
+    let mut ignored = 0_u64;
+    mesh.triangles.reserve(count);
+    for _ in 0..count {
+        row.iter_mut().for_each(Vec::clear);
+        for (k, (property, target)) in element.properties.iter().zip(&targets).enumerate() {
+            if k == indices_at {
+                corners.clear();
+                let length = values.next_length(property.list.unwrap_or(property.scalar))?;
+                for _ in 0..length {
+                    let index = values.next(property.scalar)?;
+                    if index < 0.0 || index.fract() != 0.0 || index >= mesh.positions.len() as f64 {
+                        return Err(format!(
+                            "a face refers to vertex {index}, but there are {}",
+                            mesh.positions.len()
+                        ));
+                    }
+                    corners.push(index as u32);
+                }
+            } else if let Target::Attribute(a, factor) = *target {
+                row[a].push((values.next(property.scalar)? * factor) as f32);
+            } else {
+                values.skip_property(property)?;
+            }
+        }
+        if corners.len() < 3 {
+            ignored += 1;
+            continue;
+        }
+        corner_positions.clear();
+        corner_positions.extend(corners.iter().map(|&i| mesh.positions[i as usize]));
+        triangulator.polygon(&corner_positions, |triangle| {
+            mesh.triangles.push(triangle.map(|k| corners[k]));
+            for (attribute, row) in attributes.iter_mut().zip(&row) {
+                attribute.values.extend_from_slice(row);
+            }
+        });
+    }
+    if ignored > 0 {
+        tracing::warn!(
+            "{}: {ignored} faces have fewer than three corners and are ignored",
+            file.display()
+        );
+    }
+    mesh.face_attributes = attributes;
+    Ok(())
+}
+
+/// Groups the properties of an element into attributes; all that are not part of one are skipped.
+fn attribute_targets(element: &Element, prefix: &str) -> (Vec<Target>, Vec<Attribute>) {
+    let mut targets = vec![Target::Skip; element.properties.len()];
+    let mut attributes: Vec<Attribute> = Vec::new();
+    let mut start = 0;
+    while start < element.properties.len() {
+        let stem = attribute_stem(&element.properties[start]);
+        let end = (start + 1..element.properties.len())
+            .find(|&k| attribute_stem(&element.properties[k]) != stem)
+            .unwrap_or(element.properties.len());
+        let Some((stem, is_color)) = stem else {
+            start = end;
+            continue;
+        };
+        let channels = match end - start {
+            4 if is_color => 3,
+            count => count,
+        };
+        let name = format!("{prefix}{stem}");
+        if matches!(channels, 1 | 3) && attributes.iter().all(|a| a.name != name) {
+            for (target, property) in targets[start..start + channels]
+                .iter_mut()
+                .zip(&element.properties[start..])
+            {
+                let factor = match property.scalar {
+                    Scalar::U8 if is_color => 1.0 / 255.0,
+                    Scalar::U16 if is_color => 1.0 / 65535.0,
+                    _ => 1.0,
+                };
+                *target = Target::Attribute(attributes.len(), factor);
+            }
+            attributes.push(Attribute {
+                name,
+                channels: channels as u32,
+                values: Vec::new(),
+            });
+        } else {
+            tracing::warn!("mesh attribute \"{name}\" has {channels} channels and is ignored");
+        }
+        start = end;
+    }
+    (targets, attributes)
+}
+
+/// The name that a property shares with the other channels of its attribute, and whether it is a colour.
+fn attribute_stem(property: &Property) -> Option<(String, bool)> {
+    let name = property.name.as_str();
+    if property.list.is_some() || matches!(name, "texture_u" | "texture_v") {
+        return None;
+    }
+    if matches!(
+        name,
+        "r" | "g" | "b" | "a" | "red" | "green" | "blue" | "alpha"
+    ) {
+        return Some(("color".into(), true));
+    }
+    let (stem, suffix) = name.rsplit_once('_')?;
+    match suffix {
+        _ if stem.is_empty() => None,
+        "r" | "g" | "b" | "a" => Some((format!("{stem}_color"), true)),
+        "x" | "y" | "z" | "0" | "1" | "2" | "3" => Some((stem.to_owned(), false)),
+        _ => None,
+    }
+}

@@ -1,8 +1,10 @@
 //! Halflight.
 
+pub mod adaptive;
 pub mod aov;
 pub mod atomic_file;
 pub mod bytes;
+pub mod checkpoint;
 pub mod exr_output;
 pub mod film;
 pub mod image_io;

@@ -5,6 +5,7 @@ pub mod distribution;
 pub mod float;
 pub mod frame;
 pub mod ray;
+pub mod statistics;
 pub mod warp;
 
 pub use frame::Frame;

@@ -37,7 +37,7 @@ pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
     if e_cos_t_squared <= 0.0 {
         return (1.0, 0.0);
     }
-    let t = sqrt(e_cos_t_squared) / e;
+    let t = (sqrt(e_cos_t_squared) / e).min(1.0);
     // r_s = (c - e t) / (c + e t) and r_p = (e c - t) / (e c + t), numerators multiplied out.
     let r_s = -e2m1 / sqr(c + e * t);
     let r_p = e2m1 * ((e * e + 1.0) * c * c - 1.0) / sqr(e * (e * c + t));

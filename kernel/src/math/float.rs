@@ -164,7 +164,7 @@ pub fn erfc_scaled(x: f32) -> f32 {
 }
 
 /// Inverse of [`erf`]; relative error below 4e-6. `x` is clamped to the largest `f32` below 1 in magnitude, so that
-/// the result stays within 3.77.
+/// the result stays within 3.84.
 ///
 /// Two polynomials over `w = -ln(1 - x^2)`, in `w` below 5 and in its square root above (the form of Giles 2012,
 /// "Approximating the erfinv function"; coefficients fitted anew).

@@ -6,6 +6,13 @@
 //! dp_du' = dp_du + n (dh/du - n . dp_du), likewise in v, n' = dp_du' x dp_dv', on the side of n.
 //! In both cases s' is dp_du made orthogonal to n'. Maps nest: the parent's frame is the surface frame of its child.
 //!
+//! A normal that wi cannot see although it sees the surface would be black: its tangential part is mirrored, n' becomes
+//! 2 (n . n') n - n', which faces wi. The terminator of bumps, where n' is lit and the surface turns away, is softened by
+//! a microfacet shadowing term (Conty Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve
+//! the Bump Terminator Problem", Ray Tracing Gems): G = 2 / (1 + sqrt(1 + a^2 tan^2 theta)), a^2 = min(1, tan^2(n, n') / 8),
+//! theta the angle between n and the direction towards the light. Both are what the reference renderer does, to the
+//! tolerance in the tests.
+//!
 //! The result is an orthonormal frame in local coordinates of the surface point; where a map has no direction (a zero
 //! normal, degenerate uv) the frame stays as it was.
 
@@ -16,8 +23,8 @@ use glam::Vec3;
 /// Deepest nesting that is followed.
 const MAX_NESTING: usize = 4;
 
-/// The frame perturbed by map `index` and its parents, in local coordinates of `point.frame`.
-pub fn perturbed_frame(tables: &Tables<'_>, index: u32, point: &SurfacePoint) -> Frame {
+/// The frame perturbed by map `index` and its parents, seen from `wi`, both in local coordinates of `point.frame`.
+pub fn perturbed_frame(tables: &Tables<'_>, index: u32, point: &SurfacePoint, wi: Vec3) -> Frame {
     // The chain runs from the innermost map outwards, the frames are built from the outermost inwards.
     let mut chain = [NONE; MAX_NESTING];
     let mut length = 0;
@@ -27,10 +34,11 @@ pub fn perturbed_frame(tables: &Tables<'_>, index: u32, point: &SurfacePoint) ->
         length += 1;
         current = tables.frame_maps[current as usize].parent;
     }
+    let wi = point.frame.to_world(wi);
     let mut frame = point.frame;
     for i in 0..length {
         let map = tables.frame_maps[chain[length - 1 - i] as usize];
-        frame = apply(tables, &map, point, &frame);
+        frame = apply(tables, &map, point, &frame, wi);
     }
     Frame {
         s: point.frame.to_local(frame.s),
@@ -40,7 +48,13 @@ pub fn perturbed_frame(tables: &Tables<'_>, index: u32, point: &SurfacePoint) ->
 }
 
 /// One map on top of `frame`, in world space.
-fn apply(tables: &Tables<'_>, map: &FrameMap, point: &SurfacePoint, frame: &Frame) -> Frame {
+fn apply(
+    tables: &Tables<'_>,
+    map: &FrameMap,
+    point: &SurfacePoint,
+    frame: &Frame,
+    wi: Vec3,
+) -> Frame {
     let normal = if map.kind == frame_map_kind::NORMAL {
         let color = texture::eval_at_point(tables, map.texture, point);
         frame.to_world(color * 2.0 - Vec3::ONE)
@@ -56,5 +70,29 @@ fn apply(tables: &Tables<'_>, map: &FrameMap, point: &SurfacePoint, frame: &Fram
     if !(length2 > 1e-30 && length2 < f32::MAX) {
         return *frame;
     }
-    Frame::from_normal_tangent(normal * (1.0 / float::sqrt(length2)), point.dp_du)
+    let mut normal = normal * (1.0 / float::sqrt(length2));
+    if normal.dot(wi) * frame.n.dot(wi) < 0.0 {
+        normal = frame.n * (2.0 * frame.n.dot(normal)) - normal;
+    }
+    Frame::from_normal_tangent(normal, point.dp_du)
+}
+
+/// Shadowing of the light from direction `w`, given the cosine of the perturbed normal with the surface's and that of `w`
+/// with the surface's normal; 1 for an unperturbed normal.
+#[inline]
+pub fn terminator_shadowing(cos_normals: f32, cos_light: f32) -> f32 {
+    let cos2_normals = float::sqr(cos_normals).min(1.0);
+    let cos2_light = float::sqr(cos_light).min(1.0);
+    if cos2_light <= 0.0 {
+        return 0.0;
+    }
+    // min(1, tan^2 / 8) without a division by a vanishing cosine.
+    let sin2_normals = 1.0 - cos2_normals;
+    let alpha2 = if sin2_normals >= 8.0 * cos2_normals {
+        1.0
+    } else {
+        0.125 * sin2_normals / cos2_normals
+    };
+    let tan2_light = (1.0 - cos2_light) / cos2_light;
+    2.0 / (1.0 + float::sqrt(1.0 + alpha2 * tan2_light))
 }

@@ -10,7 +10,7 @@
 //! per lobe, not yet multiplied by the lobe's weight in the material. Invariant (tests): for every kind, weight * pdf of
 //! a sample equals `eval_cosine` there, and the samples follow `pdf`.
 
-use super::{BsdfSample, Lobe, diffuse, event, null};
+use super::{BsdfSample, Lobe, diffuse, event, frame_map, mode, null};
 use crate::math::{Frame, Rgb, float};
 use crate::scene::{NONE, lobe_flag, lobe_kind};
 use glam::{Vec2, Vec3};
@@ -32,7 +32,7 @@ impl Lobe {
         alpha: Vec2::ONE,
         table: NONE,
         internal_reflectance: 0.0,
-        mode: super::mode::RADIANCE,
+        mode: mode::RADIANCE,
     };
 }
 
@@ -65,7 +65,7 @@ pub fn eval_cosine(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     if !local.valid || !same_side(local.outer(wo), w) {
         return Vec3::ZERO;
     }
-    model_eval(lobe, data, local.wi, w) * float::abs(w.z)
+    model_eval(lobe, data, local.wi, w) * (float::abs(w.z) * shadowing(lobe, wi, wo))
 }
 
 /// Density of [`sample`] per solid angle; the discrete part is not in it.
@@ -88,7 +88,7 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f
         return (Vec3::ZERO, 0.0);
     }
     (
-        model_eval(lobe, data, local.wi, w) * float::abs(w.z),
+        model_eval(lobe, data, local.wi, w) * (float::abs(w.z) * shadowing(lobe, wi, wo)),
         model_pdf(lobe, data, local.wi, w),
     )
 }
@@ -113,6 +113,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
             return BsdfSample::NONE;
         }
         s.wo = outer;
+        s.weight *= shadowing(lobe, wi, outer);
     }
     if local.flip {
         s.wo.z = -s.wo.z;
@@ -162,6 +163,16 @@ impl Local {
             outer
         }
     }
+}
+
+/// The terminator term of a perturbed frame: on camera paths light comes along `wo`, on light paths along `wi`.
+#[inline]
+fn shadowing(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
+    if !lobe.has_frame {
+        return 1.0;
+    }
+    let light = if lobe.mode == mode::RADIANCE { wo } else { wi };
+    frame_map::terminator_shadowing(lobe.frame.n.z, light.z)
 }
 
 #[inline]

@@ -12,7 +12,7 @@
 use super::{BsdfSample, Lobe, MAX_LOBES, event, frame_map, lobe};
 use crate::math::{Rgb, float};
 use crate::scene::{
-    LobeRecord, NONE, SurfacePoint, Tables, lobe_kind,
+    LobeRecord, NONE, SurfacePoint, Tables, lobe_flag, lobe_kind,
     texture::{eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};
@@ -52,7 +52,7 @@ impl Bsdf {
             }
             let weight = weight(tables, record, point);
             if weight > 0.0 && (bsdf.count as usize) < MAX_LOBES {
-                bsdf.lobes[bsdf.count as usize] = lookup(tables, record, point, weight, mode);
+                bsdf.lobes[bsdf.count as usize] = lookup(tables, record, point, wi, weight, mode);
                 bsdf.count += 1;
             }
         }
@@ -263,6 +263,7 @@ fn lookup(
     tables: &Tables<'_>,
     record: &LobeRecord,
     point: &SurfacePoint,
+    wi: Vec3,
     weight: f32,
     mode: u32,
 ) -> Lobe {
@@ -275,7 +276,14 @@ fn lookup(
         return lobe;
     }
     if record.frame != NONE {
-        lobe.frame = frame_map::perturbed_frame(tables, record.frame, point);
+        // Two-sided lobes see wi mirrored to the front.
+        let flip = wi.z < 0.0 && record.flags & lobe_flag::FLIP_BACK != 0;
+        let wi = if flip {
+            Vec3::new(wi.x, wi.y, -wi.z)
+        } else {
+            wi
+        };
+        lobe.frame = frame_map::perturbed_frame(tables, record.frame, point, wi);
         lobe.has_frame = true;
     }
     if record.kind == lobe_kind::DIFFUSE {

@@ -10,7 +10,11 @@
 //! per lobe, not yet multiplied by the lobe's weight in the material. Invariant (tests): for every kind, weight * pdf of
 //! a sample equals `eval_cosine` there, and the samples follow `pdf`.
 
-use super::{BsdfSample, Lobe, diffuse, event, frame_map, mode, null};
+use super::fresnel::fresnel_conductor;
+use super::{
+    BsdfSample, Lobe, conductor, dielectric, diffuse, event, frame_map, mode, null, plastic,
+    rough_conductor, rough_dielectric, rough_plastic, thin_dielectric,
+};
 use crate::math::{Frame, Rgb, float};
 use crate::scene::{NONE, lobe_flag, lobe_kind};
 use glam::{Vec2, Vec3};
@@ -45,10 +49,14 @@ pub fn is_delta(kind: u32) -> bool {
         || kind == lobe_kind::NULL
 }
 
-/// Whether some scattered direction of the kind is a discrete one.
+/// Whether some scattered direction of the lobe is a discrete one: also the coating of smooth plastic, and a rough
+/// boundary between equal indices, which is no boundary.
 #[inline]
-pub fn has_delta(kind: u32) -> bool {
-    is_delta(kind) || kind == lobe_kind::PLASTIC
+pub fn has_delta(lobe: &Lobe) -> bool {
+    is_delta(lobe.kind)
+        || lobe.kind == lobe_kind::PLASTIC
+        || (lobe.kind == lobe_kind::ROUGH_DIELECTRIC
+            && float::abs(lobe.eta.x - 1.0) <= rough_dielectric::INDEX_MATCHED)
 }
 
 /// Whether the lobe exists for `wi`.
@@ -180,26 +188,44 @@ fn same_side(a: Vec3, b: Vec3) -> bool {
     a.z * b.z > 0.0
 }
 
+/// The value of the lobe's model in its own frame.
 #[inline]
-fn model_eval(lobe: &Lobe, _data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     match lobe.kind {
         lobe_kind::DIFFUSE => diffuse::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::eval(lobe, wi, wo),
+        lobe_kind::PLASTIC => plastic::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_PLASTIC => rough_plastic::eval(lobe, data, wi, wo),
+        // Discrete directions have no value.
         _ => Vec3::ZERO,
     }
 }
 
 #[inline]
-fn model_pdf(lobe: &Lobe, _data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+fn model_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     match lobe.kind {
         lobe_kind::DIFFUSE => diffuse::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::pdf(lobe, wi, wo),
+        lobe_kind::PLASTIC => plastic::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_PLASTIC => rough_plastic::pdf(lobe, data, wi, wo),
         _ => 0.0,
     }
 }
 
 #[inline]
-fn model_sample(lobe: &Lobe, _data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
+fn model_sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     match lobe.kind {
         lobe_kind::DIFFUSE => diffuse::sample(lobe, wi, u1, u2),
+        lobe_kind::CONDUCTOR => conductor::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::sample(lobe, wi, u1, u2),
+        lobe_kind::DIELECTRIC => dielectric::sample(lobe, wi, u1, u2),
+        lobe_kind::THIN_DIELECTRIC => thin_dielectric::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::sample(lobe, wi, u1, u2),
+        lobe_kind::PLASTIC => plastic::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_PLASTIC => rough_plastic::sample(lobe, data, wi, u1, u2),
+        lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
         _ => BsdfSample::NONE,
     }
 }
@@ -213,7 +239,9 @@ pub fn albedo(lobe: &Lobe, _data: &[f32], wi: Vec3) -> Rgb {
     }
     match lobe.kind {
         lobe_kind::DIFFUSE => lobe.reflectance,
-        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => lobe.specular_reflectance,
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
+            lobe.specular_reflectance * fresnel_conductor(wi.z, lobe.eta, lobe.k)
+        }
         lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
         lobe_kind::NULL => Vec3::ONE,
         _ => lobe.specular_reflectance.max(lobe.specular_transmittance),

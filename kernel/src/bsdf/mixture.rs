@@ -9,16 +9,13 @@
 //! Everything is per solid angle in the local frame of the surface point (z along the unperturbed shading normal).
 //! Invariants (tests): sum of q_i is 1; weight * pdf = `eval_cosine` for smooth samples; samples follow `pdf`.
 
-use super::{BsdfSample, Lobe, MAX_LOBES, event, frame_map, lobe};
+use super::{BsdfSample, Lobe, MAX_LOBES, event, frame_map, lobe, microfacet};
 use crate::math::{Rgb, float};
 use crate::scene::{
     LobeRecord, NONE, SurfacePoint, Tables, lobe_flag, lobe_kind,
     texture::{eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};
-
-/// Roughness below which a microfacet lobe is as good as a mirror, and rounding would dominate its density.
-const MIN_ALPHA: f32 = 1e-4;
 
 /// A material looked up at a point, for one known direction `wi`.
 #[derive(Clone, Copy, Debug)]
@@ -209,7 +206,7 @@ impl Bsdf {
     #[inline]
     pub fn has_delta(&self) -> bool {
         for i in 0..self.count as usize {
-            if lobe::has_delta(self.lobes[i].kind) {
+            if lobe::has_delta(&self.lobes[i]) {
                 return true;
             }
         }
@@ -316,7 +313,7 @@ fn lookup(
         } else {
             eval_scalar(tables, &record.alpha_v, point)
         };
-        lobe.alpha = Vec2::new(alpha_u.max(MIN_ALPHA), alpha_v.max(MIN_ALPHA));
+        lobe.alpha = microfacet::clamp_alpha(Vec2::new(alpha_u, alpha_v));
     }
     lobe
 }

@@ -13,8 +13,10 @@ pub mod lobe;
 pub mod microfacet;
 pub mod mixture;
 pub mod null;
+pub mod plastic;
 pub mod rough_conductor;
 pub mod rough_dielectric;
+pub mod rough_plastic;
 pub mod thin_dielectric;
 
 pub use mixture::Bsdf;

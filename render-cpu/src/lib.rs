@@ -11,3 +11,4 @@ pub mod image_io;
 pub mod image_metadata;
 pub mod mesh;
 pub mod png_output;
+pub mod scene;

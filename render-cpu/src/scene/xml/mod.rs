@@ -1,0 +1,104 @@
+//! Mitsuba scene files, versions 0.6, 2 and 3, as a tree of objects.
+//!
+//! [`parse_scene`] reads a file with everything that it includes, puts parameters in, brings 0.6 names to those of
+//! today, resolves references and returns the root [`Object`]. Nothing is built yet: an object is a kind, a plugin
+//! name and typed properties, and remembers where it stood and which of its properties were asked for, so that
+//! [`unused`] can point at those that nobody understood.
+//!
+//! What hostile files may cost is bounded: see [`limits`].
+
+mod elements;
+mod getters;
+pub mod limits;
+mod loader;
+pub(crate) mod numbers;
+mod object;
+mod parameters;
+mod resolve;
+mod source;
+mod transforms;
+pub mod unused;
+mod upgrade;
+mod value;
+
+pub(crate) use source::read_text;
+
+pub use getters::{ColorSource, FloatSource};
+pub use object::{Child, Object, ObjectKind, Properties, Property};
+pub use value::{Color, Spectrum, Value};
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::error::{Diagnostics, SceneError, Warning};
+
+/// A scene that was read, and what was noticed meanwhile.
+#[derive(Debug)]
+pub struct ParsedScene {
+    /// The `<scene>` element.
+    pub root: Arc<Object>,
+    /// Every scene file that was read, the first one first.
+    pub files: Vec<PathBuf>,
+    /// Where warnings go; shared with every object, see [`Object::warn`].
+    pub diagnostics: Arc<Diagnostics>,
+}
+
+impl ParsedScene {
+    /// The warnings so far: those of reading, and those that were added through [`Object::warn`] since.
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.diagnostics.warnings()
+    }
+}
+
+/// Reads a scene file.
+///
+/// `defines` are the parameters `-D name=value`, later ones win. When `strict`, warnings are errors.
+///
+/// # Errors
+/// The first thing that makes the scene unreadable: a missing file, malformed XML, an element that is not known where
+/// it stands, a value of a wrong form, a broken or circular reference, a parameter that nothing uses.
+pub fn parse_scene(
+    path: &Path,
+    defines: &[(String, String)],
+    strict: bool,
+) -> Result<ParsedScene, SceneError> {
+    let diagnostics = Arc::new(Diagnostics::new(strict));
+    let mut parameters = parameters::Parameters::new(defines)?;
+    let document = loader::load(loader::Origin::File(path), &mut parameters, &diagnostics)?;
+    finish(document, parameters, diagnostics)
+}
+
+/// Reads a scene from memory; `name` stands for the file in messages, and relative files are sought beside it.
+///
+/// # Errors
+/// As [`parse_scene`].
+pub fn parse_scene_from_str(
+    text: &str,
+    name: &Path,
+    defines: &[(String, String)],
+    strict: bool,
+) -> Result<ParsedScene, SceneError> {
+    let diagnostics = Arc::new(Diagnostics::new(strict));
+    let mut parameters = parameters::Parameters::new(defines)?;
+    let document = loader::load(
+        loader::Origin::Text(text, name),
+        &mut parameters,
+        &diagnostics,
+    )?;
+    finish(document, parameters, diagnostics)
+}
+
+fn finish(
+    document: loader::Document,
+    parameters: parameters::Parameters,
+    diagnostics: Arc<Diagnostics>,
+) -> Result<ParsedScene, SceneError> {
+    parameters.check_all_used()?;
+    let files = document.files.clone();
+    let root = resolve::resolve(document, &diagnostics)?;
+    Ok(ParsedScene {
+        root,
+        files,
+        diagnostics,
+    })
+}

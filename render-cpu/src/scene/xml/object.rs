@@ -1,0 +1,301 @@
+//! Objects and their properties.
+//!
+//! An [`Object`] is shared (`Arc`) by everything that refers to it; its `index` tells objects apart, so that a builder
+//! can build each once. Looking at a property marks it as used.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::value::Value;
+use crate::scene::error::{Diagnostics, Location, SceneError, searched};
+
+/// What an object is in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // The names are those of the elements.
+pub enum ObjectKind {
+    Scene,
+    Integrator,
+    Sensor,
+    Sampler,
+    Film,
+    RFilter,
+    Shape,
+    Bsdf,
+    Emitter,
+    Texture,
+    Medium,
+    Phase,
+    Volume,
+    /// `<spectrum type="...">`.
+    Spectrum,
+    /// Elements that Mitsuba knows and Halflight has no use for.
+    Other,
+}
+
+impl ObjectKind {
+    /// The kind for the name of an element, those of older versions included.
+    pub fn from_element(name: &str) -> Option<ObjectKind> {
+        Some(match name {
+            "scene" => ObjectKind::Scene,
+            "integrator" => ObjectKind::Integrator,
+            "sensor" | "camera" => ObjectKind::Sensor,
+            "sampler" => ObjectKind::Sampler,
+            "film" => ObjectKind::Film,
+            "rfilter" => ObjectKind::RFilter,
+            "shape" => ObjectKind::Shape,
+            "bsdf" => ObjectKind::Bsdf,
+            "emitter" | "luminaire" => ObjectKind::Emitter,
+            "texture" => ObjectKind::Texture,
+            "medium" => ObjectKind::Medium,
+            "phase" => ObjectKind::Phase,
+            "volume" => ObjectKind::Volume,
+            "spectrum" => ObjectKind::Spectrum,
+            "subsurface" | "field" => ObjectKind::Other,
+            _ => return None,
+        })
+    }
+    /// The name of the element.
+    pub fn element(self) -> &'static str {
+        match self {
+            ObjectKind::Scene => "scene",
+            ObjectKind::Integrator => "integrator",
+            ObjectKind::Sensor => "sensor",
+            ObjectKind::Sampler => "sampler",
+            ObjectKind::Film => "film",
+            ObjectKind::RFilter => "rfilter",
+            ObjectKind::Shape => "shape",
+            ObjectKind::Bsdf => "bsdf",
+            ObjectKind::Emitter => "emitter",
+            ObjectKind::Texture => "texture",
+            ObjectKind::Medium => "medium",
+            ObjectKind::Phase => "phase",
+            ObjectKind::Volume => "volume",
+            ObjectKind::Spectrum => "spectrum",
+            ObjectKind::Other => "object",
+        }
+    }
+}
+
+impl fmt::Display for ObjectKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.element())
+    }
+}
+
+/// One property of an object.
+#[derive(Debug)]
+pub struct Property {
+    /// The name in snake case, or empty for a nested object without one.
+    pub name: String,
+    /// The value.
+    pub value: Value,
+    /// Where its element starts.
+    pub location: Location,
+    /// The name of its element.
+    pub tag: &'static str,
+    queried: AtomicBool,
+}
+
+impl Property {
+    pub(super) fn new(
+        name: String,
+        value: Value,
+        location: Location,
+        tag: &'static str,
+    ) -> Property {
+        Property {
+            name,
+            value,
+            location,
+            tag,
+            queried: AtomicBool::new(false),
+        }
+    }
+    /// Whether anyone looked at it.
+    pub fn queried(&self) -> bool {
+        self.queried.load(Ordering::Relaxed)
+    }
+    /// Marks it as used.
+    pub fn mark(&self) {
+        self.queried.store(true, Ordering::Relaxed);
+    }
+    /// The element as a person would quote it.
+    pub fn element(&self) -> String {
+        if self.name.is_empty() {
+            format!("<{}>", self.tag)
+        } else {
+            format!("<{} name=\"{}\">", self.tag, self.name)
+        }
+    }
+}
+
+/// The properties of an object, in the order of the file.
+#[derive(Debug, Default)]
+pub struct Properties {
+    entries: Vec<Property>,
+    by_name: HashMap<String, usize>,
+}
+
+impl Properties {
+    /// Adds a property, unless one of that name is there: then that one is returned.
+    pub(super) fn insert(&mut self, property: Property) -> Result<(), &Property> {
+        if !property.name.is_empty() {
+            if let Some(&i) = self.by_name.get(&property.name) {
+                return Err(&self.entries[i]);
+            }
+            self.by_name
+                .insert(property.name.clone(), self.entries.len());
+        }
+        self.entries.push(property);
+        Ok(())
+    }
+    /// The property of a name, marked as used.
+    pub fn get(&self, name: &str) -> Option<&Property> {
+        let property = &self.entries[*self.by_name.get(name)?];
+        property.mark();
+        Some(property)
+    }
+    /// Whether there is a property of that name; does not mark it.
+    pub fn contains(&self, name: &str) -> bool {
+        self.by_name.contains_key(name)
+    }
+    /// All properties in the order of the file; does not mark them.
+    pub fn iter(&self) -> impl Iterator<Item = &Property> {
+        self.entries.iter()
+    }
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+}
+
+/// A nested or referenced object, as a child of another.
+#[derive(Clone, Copy, Debug)]
+pub struct Child<'a> {
+    /// The property that holds it.
+    pub property: &'a Property,
+    /// The object.
+    pub object: &'a Arc<Object>,
+}
+
+impl<'a> Child<'a> {
+    /// The name that the parent gives to it, or "".
+    pub fn name(&self) -> &'a str {
+        &self.property.name
+    }
+}
+
+/// An object of a scene, as written.
+#[derive(Debug)]
+pub struct Object {
+    /// What it is.
+    pub kind: ObjectKind,
+    /// The plugin that it asks for, `type` in the file.
+    pub plugin: String,
+    /// Its name, if it has one.
+    pub id: Option<String>,
+    /// Distinct for distinct objects of a scene.
+    pub index: usize,
+    /// What it is made of.
+    pub properties: Properties,
+    /// Where its element starts.
+    pub location: Location,
+    pub(super) search_paths: Arc<[PathBuf]>,
+    pub(super) diagnostics: Arc<Diagnostics>,
+    pub(super) touched: AtomicBool,
+}
+
+impl Object {
+    /// The element as a person would quote it.
+    pub fn element(&self) -> String {
+        format!("<{} type=\"{}\">", self.kind, self.plugin)
+    }
+    /// An error at this object.
+    pub fn error(&self, message: impl Into<String>) -> SceneError {
+        SceneError::element(&self.location, self.element(), message)
+    }
+    /// Adds a warning at this object.
+    ///
+    /// # Errors
+    /// The warning itself, when the scene is read strictly.
+    pub fn warn(&self, message: impl Into<String>) -> Result<(), SceneError> {
+        self.diagnostics
+            .warn(&self.location, self.element(), message)
+    }
+    /// An error at one of its properties, or at the object when there is none of that name.
+    pub fn property_error(&self, name: &str, message: impl Into<String>) -> SceneError {
+        match self.properties.get(name) {
+            Some(property) => SceneError::element(&property.location, property.element(), message),
+            None => self.error(message),
+        }
+    }
+    /// Says that the object is being built, so that its unused properties deserve a warning. Getters say so too.
+    pub fn touch(&self) {
+        self.touched.store(true, Ordering::Relaxed);
+    }
+    /// Whether anything of it was looked at.
+    pub fn touched(&self) -> bool {
+        self.touched.load(Ordering::Relaxed)
+    }
+
+    /// Nested and referenced objects in the order of the file, named or not; does not mark them.
+    pub fn children(&self) -> impl Iterator<Item = Child<'_>> {
+        self.touch();
+        self.properties
+            .iter()
+            .filter_map(|property| match &property.value {
+                Value::Object(object) => Some(Child { property, object }),
+                _ => None,
+            })
+    }
+    /// Nested and referenced objects of one kind, marked as used.
+    pub fn children_of(&self, kind: ObjectKind) -> impl Iterator<Item = Child<'_>> {
+        self.children()
+            .filter(move |child| child.object.kind == kind)
+            .inspect(|child| child.property.mark())
+    }
+    /// The only nested or referenced object of a kind, if there is one.
+    ///
+    /// # Errors
+    /// When there are several.
+    pub fn single_child_of(&self, kind: ObjectKind) -> Result<Option<&Arc<Object>>, SceneError> {
+        let mut children = self.children_of(kind);
+        let first = children.next();
+        if let Some(second) = children.next() {
+            return Err(SceneError::element(
+                &second.property.location,
+                second.property.element(),
+                format!("{} takes only one {kind}", self.element()),
+            ));
+        }
+        Ok(first.map(|child| child.object))
+    }
+
+    /// Where relative file names of this object are sought, in order.
+    pub fn search_paths(&self) -> &[PathBuf] {
+        &self.search_paths
+    }
+    /// Finds the file that a string property names.
+    ///
+    /// # Errors
+    /// When the property is absent or no string, or no such file exists.
+    pub fn require_file(&self, name: &str) -> Result<PathBuf, SceneError> {
+        let file = self.require_string(name)?;
+        super::source::find(&self.search_paths, file)
+            .filter(|path| path.is_file())
+            .ok_or_else(|| {
+                let message = format!(
+                    "no file \"{file}\"; searched {}",
+                    searched(&self.search_paths)
+                );
+                self.property_error(name, message)
+            })
+    }
+}

@@ -1,0 +1,125 @@
+//! From the flat list to the tree: references become shared objects.
+//!
+//! Each object is made once, however often it is referred to, so that nested references cannot blow up.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::limits;
+use super::loader::{Document, RawObject, RawValue};
+use super::object::{Object, Properties, Property};
+use super::value::Value;
+use crate::scene::error::{Diagnostics, SceneError, suggestion};
+
+enum State {
+    Waiting(RawObject),
+    /// Its properties are being resolved; meeting it again is a cycle.
+    Open,
+    Done(Arc<Object>),
+}
+
+struct Resolver<'a> {
+    states: Vec<State>,
+    by_id: std::collections::HashMap<String, usize>,
+    diagnostics: &'a Arc<Diagnostics>,
+}
+
+/// The root of the tree.
+pub fn resolve(
+    document: Document,
+    diagnostics: &Arc<Diagnostics>,
+) -> Result<Arc<Object>, SceneError> {
+    let mut resolver = Resolver {
+        states: document.objects.into_iter().map(State::Waiting).collect(),
+        by_id: document.by_id,
+        diagnostics,
+    };
+    resolver
+        .object(0, 0)?
+        .ok_or_else(|| SceneError::Request("the scene refers to itself".into()))
+}
+
+impl Resolver<'_> {
+    /// The object at an index, or `None` when it is a part of itself.
+    fn object(&mut self, index: usize, depth: usize) -> Result<Option<Arc<Object>>, SceneError> {
+        let raw = match std::mem::replace(&mut self.states[index], State::Open) {
+            State::Open => return Ok(None),
+            State::Done(object) => {
+                self.states[index] = State::Done(object.clone());
+                return Ok(Some(object));
+            }
+            State::Waiting(raw) => raw,
+        };
+        let element = format!("<{} type=\"{}\">", raw.kind, raw.plugin);
+        let mut properties = Properties::default();
+        for property in raw.properties {
+            let fail = |message: String| {
+                let element = match &property.value {
+                    RawValue::Reference(id) => format!("<ref id=\"{id}\">"),
+                    _ if property.name.is_empty() => format!("<{}>", property.tag),
+                    _ => format!("<{} name=\"{}\">", property.tag, property.name),
+                };
+                SceneError::element(&property.location, element, message)
+            };
+            let target = match &property.value {
+                RawValue::Value(_) => None,
+                RawValue::Nested(target) => Some(*target),
+                RawValue::Reference(id) => Some(self.target(id).map_err(fail)?),
+            };
+            let value = match (target, property.value) {
+                (Some(_), _) if depth >= limits::MAX_DEPTH => {
+                    return Err(SceneError::element(
+                        &property.location,
+                        format!("<{}>", property.tag),
+                        format!(
+                            "objects refer to each other in a chain of more than {}",
+                            limits::MAX_DEPTH
+                        ),
+                    ));
+                }
+                (Some(target), _) => match self.object(target, depth + 1)? {
+                    Some(object) => Value::Object(object),
+                    None => {
+                        return Err(SceneError::element(
+                            &property.location,
+                            format!("<{}>", property.tag),
+                            format!("the reference is circular: it leads back to {element}"),
+                        ));
+                    }
+                },
+                (None, RawValue::Value(value)) => value,
+                // Every other value has a target.
+                (None, _) => continue,
+            };
+            let property = Property::new(property.name, value, property.location, property.tag);
+            let (location, quoted) = (property.location.clone(), property.element());
+            if let Err(first) = properties.insert(property) {
+                let message = format!("{element} has this property already, at {}", first.location);
+                return Err(SceneError::element(&location, quoted, message));
+            }
+        }
+        let object = Arc::new(Object {
+            kind: raw.kind,
+            plugin: raw.plugin,
+            id: raw.id,
+            index,
+            properties,
+            location: raw.location,
+            search_paths: raw.search_paths,
+            diagnostics: self.diagnostics.clone(),
+            touched: AtomicBool::new(false),
+        });
+        self.states[index] = State::Done(object.clone());
+        Ok(Some(object))
+    }
+
+    fn target(&self, id: &str) -> Result<usize, String> {
+        self.by_id.get(id).copied().ok_or_else(|| {
+            let mut known: Vec<&str> = self.by_id.keys().map(String::as_str).collect();
+            known.sort_unstable();
+            let hint = suggestion(id, known)
+                .map_or(String::new(), |near| format!(" (did you mean \"{near}\"?)"));
+            format!("no object has this id{hint}")
+        })
+    }
+}

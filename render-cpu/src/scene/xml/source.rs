@@ -1,0 +1,112 @@
+//! Scene files as text with line numbers, and how file names in them are resolved.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::scene::error::{Location, SceneError};
+
+/// The text of a file and where its lines start.
+pub struct Source {
+    /// The file, as named in messages.
+    pub path: Arc<Path>,
+    /// Its text.
+    pub text: String,
+    line_starts: Vec<usize>,
+}
+
+impl Source {
+    /// A text under a name.
+    pub fn new(path: &Path, text: String) -> Source {
+        let line_starts = std::iter::once(0)
+            .chain(text.match_indices('\n').map(|(at, _)| at + 1))
+            .collect();
+        Source {
+            path: path.into(),
+            text,
+            line_starts,
+        }
+    }
+
+    /// Reads a scene file of at most `budget` bytes, which is reduced by its size.
+    pub fn read(path: &Path, budget: &mut u64) -> Result<Source, SceneError> {
+        let text = read_text(path, *budget)?;
+        *budget -= text.len() as u64;
+        Ok(Source::new(path, text))
+    }
+
+    /// The place of a byte.
+    pub fn location(&self, byte: usize) -> Location {
+        let line = self.line_starts.partition_point(|&start| start <= byte) - 1;
+        let start = self.line_starts[line];
+        let column = self
+            .text
+            .get(start..byte)
+            .map_or(byte - start, |before| before.chars().count());
+        Location {
+            file: self.path.clone(),
+            line: (line + 1) as u32,
+            column: (column + 1) as u32,
+        }
+    }
+}
+
+/// Finds a file or folder: an absolute one as it is, a relative one in the search paths in order.
+///
+/// Files written on Windows name folders with backslashes; where such a file does not exist, slashes are tried.
+pub fn find(search_paths: &[PathBuf], name: &str) -> Option<PathBuf> {
+    find_as_written(search_paths, name).or_else(|| {
+        name.contains('\\')
+            .then(|| find_as_written(search_paths, &name.replace('\\', "/")))
+            .flatten()
+    })
+}
+
+fn find_as_written(search_paths: &[PathBuf], name: &str) -> Option<PathBuf> {
+    // An embedded zero byte makes `exists` fail, which is what is wanted.
+    if name.is_empty() {
+        return None;
+    }
+    let path = Path::new(name);
+    if path.is_absolute() {
+        return path.exists().then(|| path.to_path_buf());
+    }
+    search_paths
+        .iter()
+        .map(|folder| folder.join(path))
+        .find(|path| path.exists())
+}
+
+/// The search paths with one more in front.
+pub fn prepended(search_paths: &[PathBuf], folder: PathBuf) -> Arc<[PathBuf]> {
+    std::iter::once(folder)
+        .chain(search_paths.iter().cloned())
+        .collect()
+}
+
+/// Reads a text file of at most `limit` bytes.
+pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
+    let fail = |error: std::io::Error| SceneError::file(path, format!("cannot be read: {error}"));
+    let file = File::open(path).map_err(fail)?;
+    // Opening a folder succeeds on some systems; a device or a pipe may never end.
+    if !file.metadata().map_err(fail)?.is_file() {
+        return Err(SceneError::file(path, "is not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(fail)?;
+    if bytes.len() as u64 > limit {
+        return Err(SceneError::file(
+            path,
+            format!("is larger than the limit of {limit} bytes"),
+        ));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let text = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
+        SceneError::File {
+            location: Source::new(path, text).location(valid),
+            message: "is not UTF-8 text".into(),
+        }
+    })
+}

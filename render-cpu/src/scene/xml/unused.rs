@@ -1,0 +1,39 @@
+//! What of a scene nobody asked for.
+//!
+//! After a scene is built, every property of an object that was built should have been looked at; one that was not is
+//! misspelt, belongs to another plugin or to a feature that is not there.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use super::object::Object;
+use super::value::Value;
+use crate::scene::error::SceneError;
+
+/// Warns of every unused property of the objects that were looked at.
+///
+/// # Errors
+/// The first such warning, when the scene is read strictly.
+pub fn warn_unused(root: &Arc<Object>) -> Result<(), SceneError> {
+    let mut seen = HashSet::from([root.index]);
+    let mut pending = vec![root.clone()];
+    while let Some(object) = pending.pop() {
+        // What was never built is reported where it was not asked for.
+        if !object.touched() {
+            continue;
+        }
+        for property in object.properties.iter() {
+            if !property.queried() {
+                let message = format!("{} does not use this; it is ignored", object.element());
+                object
+                    .diagnostics
+                    .warn(&property.location, property.element(), message)?;
+            } else if let Value::Object(child) = &property.value
+                && seen.insert(child.index)
+            {
+                pending.push(child.clone());
+            }
+        }
+    }
+    Ok(())
+}

@@ -5,15 +5,13 @@
 //! `albedo` is `albedo.R`, which is also how a single-part file spells its layers.
 //!
 //! # Hostile files
-//! The header is parsed and judged before any pixel storage is allocated: at most [`MAX_DIMENSION`] pixels per side,
-//! at most [`MAX_SAMPLES`] samples in all channels together, and no more decoded bytes than the file's length times
-//! [`MAX_COMPRESSION_RATIO`] (plus a small allowance). Memory is therefore proportional to the file. Blocks are copied
-//! by our own code with checked lengths instead of the crate's image builders, which index without checks; a block that
+//! The header is parsed and judged by the limits of [`super`] before any pixel storage is allocated. Blocks are copied by
+//! our own code with checked lengths instead of the crate's image builders, which index without checks; a block that
 //! occurs twice or not at all is an error. The crate's decompressors still contain reachable assertions (`exr` 1.74.2:
 //! "decompress tile coordinate bug", slice indices in PIZ and B44), so decoding runs under `catch_unwind` in this thread
 //! and a panic there becomes [`ImageError::Malformed`].
 
-use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, guarded, read_file};
+use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, believable_bytes, guarded, read_file};
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;
 use exr::meta::attribute::{AttributeValue, SampleType};
@@ -21,12 +19,6 @@ use exr::meta::header::Header;
 use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::Path;
-
-/// Largest ratio of decoded to encoded bytes that is believed: deflate, the densest codec in use, reaches 1032.
-pub const MAX_COMPRESSION_RATIO: u64 = 2048;
-
-/// Decoded bytes that are believed of any file, however short.
-const RATIO_ALLOWANCE: u64 = 1 << 20;
 
 /// An OpenEXR image: one plane of samples per channel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -189,8 +181,7 @@ fn check_headers(headers: &[Header], file_bytes: usize, file: &Path) -> Result<(
         if samples > MAX_SAMPLES {
             return refuse("too many samples");
         }
-        let believable = (file_bytes as u64) * MAX_COMPRESSION_RATIO + RATIO_ALLOWANCE;
-        if decoded_bytes > believable {
+        if decoded_bytes > believable_bytes(file_bytes) {
             return refuse("the file is too short to hold them");
         }
     }

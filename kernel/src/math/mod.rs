@@ -2,6 +2,7 @@
 
 pub mod affine;
 pub mod distribution;
+pub mod filter;
 pub mod float;
 pub mod frame;
 pub mod ray;

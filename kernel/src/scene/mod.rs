@@ -3,6 +3,8 @@
 //! A front end fills vectors of the [`records`] and lends them as [`Tables`]; with a ray traverser they make a
 //! [`SceneView`], the only thing that transport algorithms see.
 
+pub mod camera;
+pub mod emitter;
 pub mod intersect;
 pub mod quadric;
 pub mod records;

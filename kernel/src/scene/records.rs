@@ -335,8 +335,8 @@ pub mod emitter_kind {
     pub const AREA: u32 = 0;
     /// `radiance` holds the intensity, position at the origin of `to_world`.
     pub const POINT: u32 = 1;
-    /// Intensity along +z falling off linearly from `parameters[0]` (cosine of the beam width's angle: `parameters[0]`
-    /// and `[1]` are the angles in radians of beam width and cutoff) with an optional texture.
+    /// Intensity along +z, falling off linearly in the angle between the beam width `parameters[0]` and the cutoff
+    /// `parameters[1]` (radians from the axis), with an optional texture.
     pub const SPOT: u32 = 2;
     /// Pinhole projection of a texture along +z: `parameters[0]`, `[1]` are the tangents of half the field of view.
     pub const PROJECTOR: u32 = 3;
@@ -367,12 +367,13 @@ pub struct Emitter {
     /// Area of the shape (area), or zero.
     pub area: f32,
     /// First word in `data` of the sampling table: for a mesh the cumulative areas of its triangles normalised to one
-    /// (`primitive_count` words); for an environment the marginal over rows (h words) and then w conditionals per row
-    /// (w * h words), all cumulative and normalised to one per row.
+    /// (`primitive_count` words, see [`super::emitter::area::fill_mesh_areas`]), [`NONE`] for an analytic shape; for an
+    /// environment the marginal over rows (h words) and then w conditionals per row (w * h words), all cumulative and
+    /// normalised to one per row (see [`super::emitter::environment`]); [`NONE`] samples it uniformly.
     pub distribution: u32,
-    /// Width of an environment's table.
+    /// Width of an environment's table: the image's width.
     pub width: u32,
-    /// Height of an environment's table.
+    /// Height of an environment's table: one less than the image's, which has rows on both poles.
     pub height: u32,
     /// Probability of choosing this emitter.
     pub selection_pdf: f32,
@@ -438,9 +439,9 @@ pub struct Camera {
     pub filter: u32,
     /// See the kinds.
     pub filter_parameters: [f32; 3],
-    /// First word in `data` of the filter's cumulative table.
+    /// First word in `data` of the filter's table (see [`crate::math::filter`]).
     pub filter_table: u32,
-    /// Number of intervals of the table over [-radius, radius].
+    /// Number of steps of the table over [-radius, radius]; it has twice as many words. Zero samples evenly.
     pub filter_table_size: u32,
 }
 

@@ -1,0 +1,271 @@
+//! Cameras: from a film position to a ray, and from a point in space to its film position and importance.
+//!
+//! Local frame: the camera looks along +z, +y is up in the image and +x is left (the frame of Mitsuba's `lookat`). The
+//! film spans the rectangle |x| <= `tan_half_width`, |y| <= `tan_half_height` in the plane z = 1 for perspective kinds,
+//! in the plane z = 0 for the orthographic one. Film positions are in pixels of the whole film, from its upper left
+//! corner, whatever the crop window.
+//!
+//! Importance is the sensor's response per perpendicular area at a point of the scene: a surface element dA around y
+//! with cosine c towards the lens point adds `radiance * c * importance * dA` to the mean over the whole film
+//! (independently of the crop window). So the integral of `c * importance` over any surface that fills the view is one.
+//! In terms of the usual W_e per area and solid angle at the lens: `importance = W_e cos_lens / (d^2 pdf_lens)`; for the
+//! pinhole W_e = 1 / (A cos^4), A the film's area in the plane z = 1 (Veach 1997, section 8.3.2).
+//!
+//! Invariants (tests): [`sample_ray`] and [`film_position`] are inverse to each other; the importance integrates to
+//! one; rays agree with an independent renderer.
+
+use super::records::*;
+use super::view::Tables;
+use crate::math::affine::{transform_point, transform_vector};
+use crate::math::{Ray, filter, float, warp};
+use glam::{Vec2, Vec3};
+
+/// A ray that a pixel's value is estimated with.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraSample {
+    /// The ray; `t_min` and `t_max` are the clipping planes.
+    pub ray: Ray,
+    /// Factor of the radiance in the pixel's mean; negative in a filter's negative lobes.
+    pub weight: f32,
+    /// Film position in pixels of the whole film.
+    pub film: Vec2,
+}
+
+/// Where a point in space is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmPosition {
+    /// Film position in pixels of the whole film.
+    pub film: Vec2,
+    /// Whether the point is between the clipping planes and its film position in the crop window.
+    pub is_valid: bool,
+    /// Importance per perpendicular area at the point; zero when not valid.
+    pub importance: f32,
+    /// Unit direction from the point to the lens.
+    pub direction: Vec3,
+    /// Distance from the point to the lens point (to the plane z = 0 for parallel rays).
+    pub distance: f32,
+}
+
+/// Axes that a field of view is given along.
+pub mod fov_axis {
+    /// The width.
+    pub const X: u32 = 0;
+    /// The height.
+    pub const Y: u32 = 1;
+    /// The diagonal.
+    pub const DIAGONAL: u32 = 2;
+    /// The shorter side.
+    pub const SMALLER: u32 = 3;
+    /// The longer side.
+    pub const LARGER: u32 = 4;
+}
+
+/// Tangents of half the horizontal and half the vertical field of view of a film of `width` by `height` pixels, from an
+/// angle in degrees along one of [`fov_axis`]. Angles are clamped to [1e-3, 179.999].
+pub fn half_extents(fov_degrees: f32, axis: u32, width: u32, height: u32) -> (f32, f32) {
+    let w = if width > 0 { width as f32 } else { 1.0 };
+    let h = if height > 0 { height as f32 } else { 1.0 };
+    let t = float::tan(0.5 * fov_degrees.clamp(1e-3, 179.999).to_radians());
+    let along_height = axis == fov_axis::Y
+        || (axis == fov_axis::SMALLER && h < w)
+        || (axis == fov_axis::LARGER && h > w);
+    if axis == fov_axis::DIAGONAL {
+        let diagonal = float::sqrt(w * w + h * h);
+        (t * w / diagonal, t * h / diagonal)
+    } else if along_height {
+        (t * w / h, t)
+    } else {
+        (t, t * h / w)
+    }
+}
+
+/// The local position in the film's plane of a film position in pixels.
+#[inline]
+fn film_to_local(camera: &Camera, film: Vec2) -> Vec2 {
+    let x = film.x / camera.film_size[0] as f32 + camera.principal_point_offset[0];
+    let y = film.y / camera.film_size[1] as f32 + camera.principal_point_offset[1];
+    Vec2::new(
+        (1.0 - 2.0 * x) * camera.tan_half_width,
+        (1.0 - 2.0 * y) * camera.tan_half_height,
+    )
+}
+
+/// Inverse of [`film_to_local`].
+#[inline]
+fn local_to_film(camera: &Camera, p: Vec2) -> Vec2 {
+    let x = 0.5 - 0.5 * p.x / camera.tan_half_width - camera.principal_point_offset[0];
+    let y = 0.5 - 0.5 * p.y / camera.tan_half_height - camera.principal_point_offset[1];
+    Vec2::new(
+        x * camera.film_size[0] as f32,
+        y * camera.film_size[1] as f32,
+    )
+}
+
+/// The lens point in the local plane z = 0; the origin for a pinhole.
+#[inline]
+fn lens_point(camera: &Camera, u_lens: Vec2) -> Vec2 {
+    if camera.kind == camera_kind::THIN_LENS {
+        warp::square_to_disk(u_lens) * camera.aperture_radius
+    } else {
+        Vec2::ZERO
+    }
+}
+
+/// The ray through a film position in pixels of the whole film and a lens point.
+pub fn ray_through(camera: &Camera, film: Vec2, u_lens: Vec2) -> Ray {
+    let p = film_to_local(camera, film);
+    let (near, far) = (camera.clip[0], camera.clip[1]);
+    if camera.kind == camera_kind::ORTHOGRAPHIC {
+        let axis = transform_vector(&camera.to_world, Vec3::Z);
+        let scale = axis.length();
+        let t_min = near * scale;
+        return Ray {
+            origin: transform_point(&camera.to_world, p.extend(0.0)),
+            direction: axis / scale,
+            t_min,
+            // The near plane moves with a scale of the frame, the depth behind it does not: as in Mitsuba.
+            t_max: t_min + (far - near),
+        };
+    }
+    let lens = lens_point(camera, u_lens);
+    let local = if camera.kind == camera_kind::THIN_LENS {
+        // Through the point in focus; scaled to unit z for the clipping planes below.
+        let focus = if camera.focus_distance > 1e-12 {
+            camera.focus_distance
+        } else {
+            1e-12
+        };
+        (p - lens / focus).extend(1.0)
+    } else {
+        p.extend(1.0)
+    };
+    let direction = transform_vector(&camera.to_world, local);
+    // The world length of one unit of z along this ray.
+    let length = direction.length();
+    Ray {
+        origin: transform_point(&camera.to_world, lens.extend(0.0)),
+        direction: direction / length,
+        t_min: near * length,
+        t_max: far * length,
+    }
+}
+
+/// A ray for the pixel (absolute, crop offset included), its film position drawn from the reconstruction filter by
+/// `u_film`, its lens point by `u_lens`.
+pub fn sample_ray(
+    tables: &Tables<'_>,
+    pixel: [u32; 2],
+    u_film: Vec2,
+    u_lens: Vec2,
+) -> CameraSample {
+    let camera = &tables.camera;
+    let radius = filter::radius(camera.filter, camera.filter_parameters);
+    let (x, weight_x) = sample_axis(
+        tables,
+        pixel[0],
+        camera.crop_offset[0],
+        camera.crop_size[0],
+        radius,
+        u_film.x,
+    );
+    let (y, weight_y) = sample_axis(
+        tables,
+        pixel[1],
+        camera.crop_offset[1],
+        camera.crop_size[1],
+        radius,
+        u_film.y,
+    );
+    let film = Vec2::new(x, y);
+    CameraSample {
+        ray: ray_through(camera, film, u_lens),
+        weight: weight_x * weight_y,
+        film,
+    }
+}
+
+/// A film coordinate for a pixel and its weight: the filter around the pixel's centre, cut at the crop window.
+#[inline]
+fn sample_axis(
+    tables: &Tables<'_>,
+    pixel: u32,
+    crop_offset: u32,
+    crop_size: u32,
+    radius: f32,
+    u: f32,
+) -> (f32, f32) {
+    let center = pixel as f32 + 0.5;
+    let to_start = crop_offset as f32 - center;
+    let to_end = (crop_offset + crop_size) as f32 - center;
+    let lo = if to_start > -radius {
+        to_start
+    } else {
+        -radius
+    };
+    let hi = if to_end < radius { to_end } else { radius };
+    if !(hi > lo) {
+        // A pixel outside the window.
+        return (center, 0.0);
+    }
+    let (offset, weight) = filter::sample(&tables.camera, tables.data, lo, hi, u);
+    (center + offset, weight)
+}
+
+/// Where `point` is seen through the lens point of `u_lens`, and its importance.
+pub fn film_position(tables: &Tables<'_>, point: Vec3, u_lens: Vec2) -> FilmPosition {
+    let camera = &tables.camera;
+    let local = transform_point(&camera.to_camera, point);
+    let mut result = FilmPosition {
+        film: Vec2::ZERO,
+        is_valid: false,
+        importance: 0.0,
+        direction: Vec3::Z,
+        distance: 0.0,
+    };
+    let area = 4.0 * camera.tan_half_width * camera.tan_half_height;
+    if !(local.z > 0.0) || !(area > 0.0) {
+        return result;
+    }
+    if camera.kind == camera_kind::ORTHOGRAPHIC {
+        let x = transform_vector(&camera.to_world, Vec3::X);
+        let y = transform_vector(&camera.to_world, Vec3::Y);
+        let axis = transform_vector(&camera.to_world, Vec3::Z);
+        let scale = axis.length();
+        result.direction = axis * (-1.0 / scale);
+        result.distance = local.z * scale;
+        result.film = local_to_film(camera, local.truncate());
+        // The film's area across the rays, in world units.
+        let world_area = area * float::abs(x.cross(y).dot(result.direction));
+        result.importance = 1.0 / world_area;
+        let depth = result.distance - camera.clip[0] * scale;
+        result.is_valid = depth > 0.0 && depth < camera.clip[1] - camera.clip[0];
+    } else {
+        let lens = lens_point(camera, u_lens);
+        let to_lens = transform_point(&camera.to_world, lens.extend(0.0)) - point;
+        let distance = to_lens.length();
+        result.direction = to_lens / distance;
+        result.distance = distance;
+        // Straight on from the lens through the point, seen at z = 1 of the pinhole's rays to the plane in focus.
+        let slope = (local.truncate() - lens) / local.z;
+        let p = if camera.kind == camera_kind::THIN_LENS && camera.focus_distance > 1e-12 {
+            slope + lens / camera.focus_distance
+        } else {
+            slope
+        };
+        result.film = local_to_film(camera, p);
+        // d(film plane) / d(plane z = const) = 1 / z^2, and d(plane) = d(perpendicular area) / cos with cos = z / d.
+        result.importance = distance / (area * local.z * local.z * local.z);
+        result.is_valid = local.z > camera.clip[0] && local.z < camera.clip[1];
+    }
+    let x0 = camera.crop_offset[0] as f32;
+    let y0 = camera.crop_offset[1] as f32;
+    let in_window = result.film.x >= x0
+        && result.film.y >= y0
+        && result.film.x < x0 + camera.crop_size[0] as f32
+        && result.film.y < y0 + camera.crop_size[1] as f32;
+    result.is_valid = result.is_valid && in_window && float::is_finite(result.importance);
+    if !result.is_valid {
+        result.importance = 0.0;
+    }
+    result
+}

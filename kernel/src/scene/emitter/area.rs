@@ -1,0 +1,352 @@
+//! Emission of shapes, on the side of their normal.
+//!
+//! - Meshes: a triangle by the table of cumulative areas, then a uniform point on it; density per area `pmf / area`.
+//! - Disks and cylinders: a uniform point of the canonical surface; the affine map stretches its area by
+//!   `|det A| |A^-T N|`, N the canonical unit normal, which is constant unless the map squeezes a cylinder.
+//! - Spheres: a uniform direction of the cone that the unit sphere fills in object space, all directions from inside;
+//!   the map turns solid angle by `d(object) / d(world) = |det A^-1| / |A^-1 d|^3`, which is one for round spheres
+//!   (and makes ellipsoids exact).
+//!
+//! Densities per area become densities per solid angle by `d^2 / |cos|` with the geometric normal. Whether a point
+//! emits towards the viewer is decided by its shading normal, as in Mitsuba. Points whose density would not be finite
+//! (seen edge on, or at no distance) are no samples.
+//!
+//! Invariants (tests): the density integrates to one; [`pdf_direct`] at the sampled point is the sampled density.
+
+use super::DirectSample;
+use crate::math::affine::{determinant, transform_normal, transform_point, transform_vector};
+use crate::math::distribution::{cdf_pmf, sample_cdf};
+use crate::math::{Frame, Rgb, float, vec3, warp};
+use crate::scene::quadric::quadric_point_at;
+use crate::scene::surface::surface_at_primitive;
+use crate::scene::texture::eval_rgb;
+use crate::scene::{NONE, Quadric, SurfacePoint, Tables, quadric_kind};
+use core::f32::consts::{FRAC_1_PI, TAU};
+use glam::{Vec2, Vec3};
+
+/// Radiance that a surface point emits towards `direction_to_viewer`; zero for points that emit nothing there.
+pub fn area_radiance(tables: &Tables<'_>, point: &SurfacePoint, direction_to_viewer: Vec3) -> Rgb {
+    if point.emitter == NONE || !(point.frame.n.dot(direction_to_viewer) > 0.0) {
+        return Vec3::ZERO;
+    }
+    let emitter = &tables.emitters[point.emitter as usize];
+    eval_rgb(tables, &emitter.radiance, point)
+}
+
+/// The density per solid angle at `reference` with which [`super::sample_direct`] chooses the point `light` of an area
+/// light, the choice of the emitter included; zero for points that it cannot choose.
+pub fn pdf_direct(tables: &Tables<'_>, reference: Vec3, light: &SurfacePoint) -> f32 {
+    if light.emitter == NONE {
+        return 0.0;
+    }
+    let emitter = &tables.emitters[light.emitter as usize];
+    let triangle_count = tables.triangles.len() as u32;
+    let pdf = if light.primitive < triangle_count {
+        let first = tables.shapes[light.shape as usize].first_primitive;
+        let area = triangle_area(tables, light.primitive);
+        if !(area > 0.0) {
+            return 0.0;
+        }
+        let pmf = cdf_pmf(tables.data, emitter.distribution, light.primitive - first);
+        per_solid_angle(reference, light, pmf / area)
+    } else {
+        let quadric = &tables.quadrics[(light.primitive - triangle_count) as usize];
+        if quadric.kind == quadric_kind::SPHERE {
+            sphere_pdf(quadric, reference, light.position)
+        } else {
+            let p = transform_point(&quadric.to_object, light.position);
+            per_solid_angle(reference, light, quadric_pdf_area(quadric, p))
+        }
+    };
+    pdf * emitter.selection_pdf
+}
+
+/// Samples a point of a shape; `pdf` does not hold the probability of choosing the emitter.
+pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> DirectSample {
+    let record = &tables.emitters[emitter as usize];
+    if record.shape == NONE {
+        return DirectSample::NONE;
+    }
+    let shape = &tables.shapes[record.shape as usize];
+    if record.distribution != NONE {
+        let (triangle, u_x, pmf) =
+            sample_cdf(tables.data, record.distribution, shape.primitive_count, u.x);
+        let primitive = shape.first_primitive + triangle;
+        let area = triangle_area(tables, primitive);
+        if !(area > 0.0) {
+            return DirectSample::NONE;
+        }
+        let b = warp::square_to_triangle(Vec2::new(u_x, u.y));
+        let point = surface_at_primitive(tables, primitive, b.x, b.y);
+        let pdf = per_solid_angle(reference, &point, pmf / area);
+        return towards(tables, emitter, reference, &point, pdf);
+    }
+    let index = shape.first_primitive;
+    let quadric = &tables.quadrics[index as usize];
+    if quadric.kind == quadric_kind::SPHERE {
+        return sample_sphere(tables, emitter, index, reference, u);
+    }
+    let p = if quadric.kind == quadric_kind::DISK {
+        warp::square_to_disk(u).extend(0.0)
+    } else {
+        let (s, c) = float::sin_cos(TAU * u.x);
+        Vec3::new(c, s, u.y)
+    };
+    let point = quadric_point_at(tables, index, p);
+    let pdf = per_solid_angle(reference, &point, quadric_pdf_area(quadric, p));
+    towards(tables, emitter, reference, &point, pdf)
+}
+
+/// The sample that is the segment from `reference` to `point`.
+#[inline]
+fn towards(
+    tables: &Tables<'_>,
+    emitter: u32,
+    reference: Vec3,
+    point: &SurfacePoint,
+    pdf: f32,
+) -> DirectSample {
+    if !(pdf > 0.0) {
+        return DirectSample::NONE;
+    }
+    let to_light = point.position - reference;
+    let distance = to_light.length();
+    let direction = to_light / distance;
+    DirectSample {
+        direction,
+        distance,
+        target: point.offset_position(-direction),
+        radiance: area_radiance(tables, point, -direction),
+        pdf,
+        is_delta: false,
+        emitter,
+    }
+}
+
+/// A density per area at `point` as a density per solid angle at `reference`; zero where that is not finite.
+#[inline]
+fn per_solid_angle(reference: Vec3, point: &SurfacePoint, pdf_area: f32) -> f32 {
+    let d = point.position - reference;
+    let distance2 = d.length_squared();
+    let distance = float::sqrt(distance2);
+    // |cos| times the distance.
+    let projected = float::abs(point.geometric_normal.dot(d));
+    if !(projected > 1e-7 * distance) {
+        return 0.0;
+    }
+    let pdf = pdf_area * distance2 * (distance / projected);
+    if float::is_finite(pdf) { pdf } else { 0.0 }
+}
+
+/// Area of a triangle.
+#[inline]
+fn triangle_area(tables: &Tables<'_>, primitive: u32) -> f32 {
+    let [i0, i1, i2] = tables.triangles[primitive as usize].vertices;
+    let p0 = vec3(tables.positions[i0 as usize]);
+    let e1 = vec3(tables.positions[i1 as usize]) - p0;
+    let e2 = vec3(tables.positions[i2 as usize]) - p0;
+    0.5 * e1.cross(e2).length()
+}
+
+/// Density per world area of uniform points of a canonical disk or cylinder, at the canonical point `p`.
+#[inline]
+fn quadric_pdf_area(quadric: &Quadric, p: Vec3) -> f32 {
+    let (normal, canonical_pdf) = if quadric.kind == quadric_kind::DISK {
+        (Vec3::Z, FRAC_1_PI)
+    } else {
+        let radius = float::sqrt(p.x * p.x + p.y * p.y);
+        if !(radius > 0.0) {
+            return 0.0;
+        }
+        (Vec3::new(p.x / radius, p.y / radius, 0.0), 1.0 / TAU)
+    };
+    let stretch = area_stretch(quadric, normal);
+    if stretch > 0.0 {
+        canonical_pdf / stretch
+    } else {
+        0.0
+    }
+}
+
+/// World area over canonical area where the canonical unit normal is `normal`.
+#[inline]
+fn area_stretch(quadric: &Quadric, normal: Vec3) -> f32 {
+    float::abs(determinant(&quadric.to_world))
+        * transform_normal(&quadric.to_object, normal).length()
+}
+
+/// 1 - cos of the cone that the unit sphere fills from a squared distance of its centre; 2, all directions, from inside.
+#[inline]
+fn sphere_cone(distance2: f32) -> f32 {
+    if !(distance2 > 1.0) {
+        return 2.0;
+    }
+    let sin2 = 1.0 / distance2;
+    // cos = sqrt(1 - sin^2), written to keep its precision close to the sphere.
+    let cos = float::sqrt((distance2 - 1.0) / distance2);
+    sin2 / (1.0 + cos)
+}
+
+/// Density per world solid angle at `reference` of the direction to the point `position` of a sphere.
+#[inline]
+fn sphere_pdf(quadric: &Quadric, reference: Vec3, position: Vec3) -> f32 {
+    let origin = transform_point(&quadric.to_object, reference);
+    let p = transform_point(&quadric.to_object, position);
+    let distance2 = origin.length_squared();
+    // From outside only the near side is sampled.
+    if distance2 > 1.0 && !(p.dot(origin - p) > 0.0) {
+        return 0.0;
+    }
+    let to_light = position - reference;
+    let length = to_light.length();
+    if !(length > 0.0) {
+        return 0.0;
+    }
+    let d = transform_vector(&quadric.to_object, to_light / length);
+    let pdf = warp::uniform_cone_pdf(sphere_cone(distance2))
+        * object_per_world_solid_angle(quadric, d.length());
+    if float::is_finite(pdf) { pdf } else { 0.0 }
+}
+
+/// d(object solid angle) / d(world solid angle) in a world direction whose image has the length `image_length`.
+#[inline]
+fn object_per_world_solid_angle(quadric: &Quadric, image_length: f32) -> f32 {
+    1.0 / (float::abs(determinant(&quadric.to_world)) * image_length * image_length * image_length)
+}
+
+/// Samples the cone of directions towards a sphere.
+#[inline]
+fn sample_sphere(
+    tables: &Tables<'_>,
+    emitter: u32,
+    index: u32,
+    reference: Vec3,
+    u: Vec2,
+) -> DirectSample {
+    let quadric = &tables.quadrics[index as usize];
+    let origin = transform_point(&quadric.to_object, reference);
+    let distance2 = origin.length_squared();
+    let distance = float::sqrt(distance2);
+    // Frame with z towards the centre: the reference point is (0, 0, -distance).
+    let frame = if distance > 1e-12 {
+        Frame::from_normal(origin * (-1.0 / distance))
+    } else {
+        Frame::LOCAL
+    };
+    let one_minus_cos = sphere_cone(distance2);
+    let d = warp::square_to_uniform_cone(u, one_minus_cos);
+    let sin2 = d.x * d.x + d.y * d.y;
+    let half_chord = float::safe_sqrt(1.0 - distance2 * sin2);
+    let is_outside = distance2 > 1.0;
+    let t = if is_outside {
+        distance * d.z - half_chord
+    } else {
+        distance * d.z + half_chord
+    };
+    let (x, y) = (t * d.x, t * d.y);
+    let z = if is_outside {
+        // t cos - distance, without the cancellation that it has far from the sphere.
+        -float::safe_sqrt(1.0 - x * x - y * y)
+    } else {
+        t * d.z - distance
+    };
+    let point = quadric_point_at(tables, index, frame.to_world(Vec3::new(x, y, z)));
+    let world = transform_vector(&quadric.to_world, frame.to_world(d));
+    let length = world.length();
+    if !(length > 0.0) || !(t > 0.0) {
+        return DirectSample::NONE;
+    }
+    let direction = world / length;
+    let pdf =
+        warp::uniform_cone_pdf(one_minus_cos) * object_per_world_solid_angle(quadric, 1.0 / length);
+    if !(pdf > 0.0) || !float::is_finite(pdf) {
+        return DirectSample::NONE;
+    }
+    DirectSample {
+        direction,
+        distance: length * t,
+        target: point.offset_position(-direction),
+        radiance: area_radiance(tables, &point, -direction),
+        pdf,
+        is_delta: false,
+        emitter,
+    }
+}
+
+/// Fills the sampling table of a mesh, `out` having one word per triangle of the shape; returns the mesh's area.
+///
+/// Runs on the host only: it visits the whole mesh and sums in `f64`.
+#[cfg(not(target_arch = "spirv"))]
+pub fn fill_mesh_areas(tables: &Tables<'_>, shape: u32, out: &mut [f32]) -> f32 {
+    let first = tables.shapes[shape as usize].first_primitive;
+    for (i, area) in out.iter_mut().enumerate() {
+        *area = triangle_area(tables, first + i as u32);
+    }
+    crate::math::distribution::fill_cdf(out) as f32
+}
+
+/// Area of a quadric in its group's space: exact for disks, round spheres and round cylinders, by quadrature otherwise.
+///
+/// Runs on the host only, once per light: it sums in `f64`.
+#[cfg(not(target_arch = "spirv"))]
+pub fn quadric_area(quadric: &Quadric) -> f32 {
+    let pi = core::f64::consts::PI;
+    if quadric.kind == quadric_kind::DISK {
+        return (pi * f64::from(area_stretch(quadric, Vec3::Z))) as f32;
+    }
+    const N: u32 = 64;
+    let mut mean = 0.0;
+    for i in 0..N {
+        for j in 0..N {
+            let (s, c) = float::sin_cos(TAU * (i as f32 + 0.5) / N as f32);
+            let z = if quadric.kind == quadric_kind::SPHERE {
+                2.0 * (j as f32 + 0.5) / N as f32 - 1.0
+            } else {
+                0.0
+            };
+            let r = float::safe_sqrt(1.0 - z * z);
+            mean += f64::from(area_stretch(quadric, Vec3::new(c * r, s * r, z)));
+        }
+    }
+    mean /= f64::from(N * N);
+    let canonical = if quadric.kind == quadric_kind::SPHERE {
+        4.0 * pi
+    } else {
+        2.0 * pi
+    };
+    (canonical * mean) as f32
+}
+
+/// See [`super::power`]: the emitter's `area` must be set.
+#[cfg(not(target_arch = "spirv"))]
+pub(super) fn power(tables: &Tables<'_>, emitter: &crate::scene::Emitter) -> f64 {
+    use crate::math::luminance;
+    if emitter.shape == NONE {
+        return 0.0;
+    }
+    // A texture counts by the mean over points spread evenly over the shape's area.
+    const N: u32 = 16;
+    let mut mean = 0.0;
+    let shape = &tables.shapes[emitter.shape as usize];
+    for i in 0..N {
+        for j in 0..N {
+            let u = Vec2::new((i as f32 + 0.5) / N as f32, (j as f32 + 0.5) / N as f32);
+            let point = if emitter.distribution != NONE {
+                let (triangle, x, _) = sample_cdf(
+                    tables.data,
+                    emitter.distribution,
+                    shape.primitive_count,
+                    u.x,
+                );
+                let b = warp::square_to_triangle(Vec2::new(x, u.y));
+                surface_at_primitive(tables, shape.first_primitive + triangle, b.x, b.y)
+            } else {
+                let primitive = tables.triangles.len() as u32 + shape.first_primitive;
+                surface_at_primitive(tables, primitive, u.x, u.y)
+            };
+            let radiance = luminance(eval_rgb(tables, &emitter.radiance, &point));
+            mean += f64::from(radiance) / f64::from(N * N);
+        }
+    }
+    core::f64::consts::PI * f64::from(emitter.area) * mean
+}

@@ -1,0 +1,171 @@
+//! Light sources: choosing one, sampling the light that arrives at a point from it, and the density of having done so.
+//!
+//! Direct light at a reference point x is estimated by `radiance f cos V / pdf` with a [`DirectSample`]: first one
+//! emitter is chosen by the cumulative `selection_cdf` of the table, then a direction towards it. `pdf` is per solid
+//! angle at x and includes the probability of the choice; for delta lights (point, spot, projector, directional) it is
+//! that probability alone, and `radiance` stands for the light's irradiance on a surface that faces it.
+//!
+//! - [`area`]: emission of shapes, one-sided;
+//! - [`environment`]: light from infinity in all directions;
+//! - [`delta`]: light from one point or one direction.
+//!
+//! Invariants (tests): for every kind the density integrates to one over the directions in which it can sample, equals
+//! the density that [`pdf_direct`] or [`pdf_environment`] state for the sampled direction, and the radiance equals the
+//! one found by looking in that direction.
+
+pub mod area;
+pub mod delta;
+pub mod environment;
+
+pub use area::{area_radiance, pdf_direct};
+pub use environment::{environment_radiance, pdf_environment};
+#[cfg(not(target_arch = "spirv"))]
+pub use host::{fill_selection, power};
+
+use super::records::*;
+use super::view::Tables;
+use crate::math::Rgb;
+use glam::{Vec2, Vec3};
+
+/// Light arriving at a point from a sampled direction.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectSample {
+    /// Unit direction from the reference point to the light, in world space.
+    pub direction: Vec3,
+    /// Distance to the light along it; [`f32::MAX`] for lights at infinity.
+    pub distance: f32,
+    /// End of the segment to test for visibility: a point just off the light's surface, on the reference point's side.
+    /// Meaningless for lights at infinity.
+    pub target: Vec3,
+    /// Radiance, or irradiance on a facing surface for delta lights.
+    pub radiance: Rgb,
+    /// Density per solid angle including the choice of the emitter, or the probability of the choice for delta lights;
+    /// zero for no sample.
+    pub pdf: f32,
+    /// Whether no other strategy can find this direction.
+    pub is_delta: bool,
+    /// Index into the emitters.
+    pub emitter: u32,
+}
+
+impl DirectSample {
+    /// No sample.
+    pub const NONE: DirectSample = DirectSample {
+        direction: Vec3::Z,
+        distance: 0.0,
+        target: Vec3::ZERO,
+        radiance: Vec3::ZERO,
+        pdf: 0.0,
+        is_delta: false,
+        emitter: NONE,
+    };
+}
+
+/// Chooses an emitter with `u` in [0, 1); [`NONE`] in a scene without light.
+#[inline]
+pub fn select_emitter(tables: &Tables<'_>, u: f32) -> u32 {
+    let count = tables.emitters.len() as u32;
+    if count == 0 {
+        return NONE;
+    }
+    // The first emitter whose cumulative probability is above u.
+    let mut low = 0;
+    let mut high = count - 1;
+    while low < high {
+        let middle = (low + high) / 2;
+        if tables.emitters[middle as usize].selection_cdf > u {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    if tables.emitters[low as usize].selection_pdf > 0.0 {
+        low
+    } else {
+        NONE
+    }
+}
+
+/// Samples the light that arrives at `reference` without obstacles, `u_select` choosing the emitter and `u` the
+/// direction.
+pub fn sample_direct(tables: &Tables<'_>, reference: Vec3, u_select: f32, u: Vec2) -> DirectSample {
+    let emitter = select_emitter(tables, u_select);
+    if emitter == NONE {
+        return DirectSample::NONE;
+    }
+    let mut sample = sample_emitter(tables, emitter, reference, u);
+    sample.pdf *= tables.emitters[emitter as usize].selection_pdf;
+    sample
+}
+
+/// Samples the light of one emitter; `pdf` does not hold the probability of choosing it.
+pub fn sample_emitter(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> DirectSample {
+    let kind = tables.emitters[emitter as usize].kind;
+    if kind == emitter_kind::AREA {
+        area::sample(tables, emitter, reference, u)
+    } else if kind == emitter_kind::CONSTANT || kind == emitter_kind::ENVIRONMENT {
+        environment::sample(tables, emitter, u)
+    } else {
+        delta::sample(tables, emitter, reference)
+    }
+}
+
+/// Facts that are computed once per scene, on the host: they visit whole tables and sum in `f64`.
+#[cfg(not(target_arch = "spirv"))]
+mod host {
+    use super::super::records::*;
+    use super::super::view::Tables;
+    use super::{area, delta, environment};
+
+    /// An estimate of the emitted power by luminance in W, for [`fill_selection`]. Light from infinity counts by what
+    /// enters the scene's bounding sphere.
+    pub fn power(tables: &Tables<'_>, emitter: &Emitter) -> f32 {
+        let power = match emitter.kind {
+            emitter_kind::AREA => area::power(tables, emitter),
+            emitter_kind::CONSTANT | emitter_kind::ENVIRONMENT => {
+                environment::power(tables, emitter)
+            }
+            _ => delta::power(tables, emitter),
+        };
+        if power > 0.0 {
+            (power as f32).min(f32::MAX)
+        } else {
+            0.0
+        }
+    }
+
+    /// Sets the selection probabilities of all emitters: half of the choices by power, half evenly among the emitters
+    /// that have any, because a weak light nearby matters more than its power says.
+    pub fn fill_selection(emitters: &mut [Emitter], powers: &[f32]) {
+        let count = emitters.len();
+        let total: f64 = powers.iter().map(|p| f64::from(*p)).sum();
+        let lit = powers.iter().filter(|p| **p > 0.0).count();
+        let weight = |power: f32| {
+            if power > 0.0 {
+                (0.5 * f64::from(power) / total + 0.5 / lit as f64) as f32
+            } else {
+                0.0
+            }
+        };
+        for (emitter, power) in emitters.iter_mut().zip(powers) {
+            emitter.selection_pdf = weight(*power);
+        }
+        // Normalised as any cumulative table (see `fill_cdf`), but inside the records; the probabilities are the
+        // differences of what is stored.
+        let last = powers.iter().rposition(|p| *p > 0.0).unwrap_or(count);
+        let total: f64 = emitters.iter().map(|e| f64::from(e.selection_pdf)).sum();
+        let mut sum = 0.0;
+        let mut previous = 0.0;
+        for (i, emitter) in emitters.iter_mut().enumerate() {
+            sum += f64::from(emitter.selection_pdf);
+            let cdf = if i >= last {
+                1.0
+            } else {
+                (sum / total.max(f64::MIN_POSITIVE)) as f32
+            };
+            emitter.selection_cdf = cdf;
+            emitter.selection_pdf = cdf - previous;
+            previous = cdf;
+        }
+    }
+}

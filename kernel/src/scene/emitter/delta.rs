@@ -112,7 +112,7 @@ fn projector(tables: &Tables<'_>, record: &Emitter, local: Vec3) -> Rgb {
     }
     let u = 0.5 - 0.5 * local.x / (local.z * tan_x);
     let v = 0.5 - 0.5 * local.y / (local.z * tan_y);
-    if !(u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0) {
+    if !((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)) {
         return Vec3::ZERO;
     }
     let cos_theta = local.z / local.length();

@@ -1,5 +1,6 @@
 //! Halflight.
 
+pub mod accel;
 pub mod adaptive;
 pub mod aov;
 pub mod atomic_file;

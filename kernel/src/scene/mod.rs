@@ -3,6 +3,7 @@
 //! A front end fills vectors of the [`records`] and lends them as [`Tables`]; with a ray traverser they make a
 //! [`SceneView`], the only thing that transport algorithms see.
 
+pub mod bvh2;
 pub mod camera;
 pub mod emitter;
 pub mod intersect;
@@ -14,6 +15,7 @@ pub mod traverse;
 pub mod triangle;
 pub mod view;
 
+pub use bvh2::{Bvh2Traverse, BvhNode};
 pub use intersect::{offset_origin, segment};
 pub use records::*;
 pub use surface::{SurfacePoint, surface_at, surface_at_primitive};

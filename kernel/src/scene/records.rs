@@ -367,7 +367,7 @@ pub struct Emitter {
     /// Area of the shape (area), or zero.
     pub area: f32,
     /// First word in `data` of the sampling table: for a mesh the cumulative areas of its triangles normalised to one
-    /// (`primitive_count` words, see [`super::emitter::area::fill_mesh_areas`]), [`NONE`] for an analytic shape; for an
+    /// (`primitive_count` words, see [`super::emitter::fill_shape_areas`]), not used by analytic shapes; for an
     /// environment the marginal over rows (h words) and then w conditionals per row (w * h words), all cumulative and
     /// normalised to one per row (see [`super::emitter::environment`]); [`NONE`] samples it uniformly.
     pub distribution: u32,

@@ -68,7 +68,7 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
         return DirectSample::NONE;
     }
     let shape = &tables.shapes[record.shape as usize];
-    if record.distribution != NONE {
+    if !is_quadric(tables, record.shape) {
         let (triangle, u_x, pmf) =
             sample_cdf(tables.data, record.distribution, shape.primitive_count, u.x);
         let primitive = shape.first_primitive + triangle;
@@ -95,6 +95,14 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
     let point = quadric_point_at(tables, index, p);
     let pdf = per_solid_angle(reference, &point, quadric_pdf_area(quadric, p));
     towards(tables, emitter, reference, &point, pdf)
+}
+
+/// Whether a shape is analytic: quadrics and meshes count their primitives apart, and only one of the two tables holds
+/// the shape at its first primitive.
+#[inline]
+fn is_quadric(tables: &Tables<'_>, shape: u32) -> bool {
+    let first = tables.shapes[shape as usize].first_primitive;
+    first < tables.quadrics.len() as u32 && tables.quadrics[first as usize].shape == shape
 }
 
 /// The sample that is the segment from `reference` to `point`.
@@ -273,14 +281,18 @@ fn sample_sphere(
     }
 }
 
-/// Fills the sampling table of a mesh, `out` having one word per triangle of the shape; returns the mesh's area.
+/// Fills the sampling table of a shape, `out` having one word per primitive of the shape; returns the shape's area.
 ///
 /// Runs on the host only: it visits the whole mesh and sums in `f64`.
 #[cfg(not(target_arch = "spirv"))]
-pub fn fill_mesh_areas(tables: &Tables<'_>, shape: u32, out: &mut [f32]) -> f32 {
+pub fn fill_shape_areas(tables: &Tables<'_>, shape: u32, out: &mut [f32]) -> f32 {
     let first = tables.shapes[shape as usize].first_primitive;
     for (i, area) in out.iter_mut().enumerate() {
-        *area = triangle_area(tables, first + i as u32);
+        *area = if is_quadric(tables, shape) {
+            quadric_area(&tables.quadrics[first as usize])
+        } else {
+            triangle_area(tables, first + i as u32)
+        };
     }
     crate::math::distribution::fill_cdf(out) as f32
 }
@@ -289,7 +301,7 @@ pub fn fill_mesh_areas(tables: &Tables<'_>, shape: u32, out: &mut [f32]) -> f32 
 ///
 /// Runs on the host only, once per light: it sums in `f64`.
 #[cfg(not(target_arch = "spirv"))]
-pub fn quadric_area(quadric: &Quadric) -> f32 {
+fn quadric_area(quadric: &Quadric) -> f32 {
     let pi = core::f64::consts::PI;
     if quadric.kind == quadric_kind::DISK {
         return (pi * f64::from(area_stretch(quadric, Vec3::Z))) as f32;
@@ -331,7 +343,7 @@ pub(super) fn power(tables: &Tables<'_>, emitter: &crate::scene::Emitter) -> f64
     for i in 0..N {
         for j in 0..N {
             let u = Vec2::new((i as f32 + 0.5) / N as f32, (j as f32 + 0.5) / N as f32);
-            let point = if emitter.distribution != NONE {
+            let point = if !is_quadric(tables, emitter.shape) {
                 let (triangle, x, _) = sample_cdf(
                     tables.data,
                     emitter.distribution,

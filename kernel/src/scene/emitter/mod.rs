@@ -18,9 +18,15 @@ pub mod delta;
 pub mod environment;
 
 pub use area::{area_radiance, pdf_direct};
-pub use environment::{environment_radiance, pdf_environment};
+pub use environment::{
+    environment_radiance, environment_table_size, environment_table_words, pdf_environment,
+};
 #[cfg(not(target_arch = "spirv"))]
-pub use host::{fill_selection, power};
+pub use {
+    area::fill_shape_areas,
+    environment::fill_environment_distribution,
+    host::{fill_selection, power},
+};
 
 use super::records::*;
 use super::view::Tables;
@@ -119,7 +125,8 @@ mod host {
 
     /// An estimate of the emitted power by luminance in W, for [`fill_selection`]. Light from infinity counts by what
     /// enters the scene's bounding sphere.
-    pub fn power(tables: &Tables<'_>, emitter: &Emitter) -> f32 {
+    pub fn power(tables: &Tables<'_>, emitter: u32) -> f32 {
+        let emitter = &tables.emitters[emitter as usize];
         let power = match emitter.kind {
             emitter_kind::AREA => area::power(tables, emitter),
             emitter_kind::CONSTANT | emitter_kind::ENVIRONMENT => {

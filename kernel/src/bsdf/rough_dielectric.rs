@@ -12,8 +12,9 @@
 //! Fresnel reflectance at that normal. Within [`INDEX_MATCHED`] of equal indices the transmitted lobe is narrower than
 //! `f32` directions resolve and the boundary is treated as absent: a delta straight on.
 //!
-//! Checked: the density by chi-square on both sides, `f(wi, wo) / eta^2` reciprocal, the furnace at most 1, values
-//! against another renderer, finite for every roughness and index.
+//! Checked: the density by chi-square on both sides, the Jacobians by central differences, `f(wi, wo) / n_i^2` equal to
+//! `f(wo, wi) / n_o^2`, importance the adjoint of radiance, the furnace at most 1, values against another renderer,
+//! finite for every roughness and index.
 
 use super::fresnel::{fresnel_dielectric, reflect, refract, relative_eta};
 use super::microfacet::{
@@ -46,6 +47,21 @@ struct Half {
     length_squared: f32,
     /// Whether a microfacet can turn one direction into the other.
     valid: bool,
+}
+
+impl Half {
+    /// Fresnel reflectance at the microfacet. Refraction takes the cosine on the side of lower index (F is the same
+    /// along the reversed path): from the other side it would depend on a difference that vanishes at the critical
+    /// angle.
+    #[inline]
+    fn reflectance(&self, lobe: &Lobe) -> f32 {
+        let cos = if self.reflection || self.eta > 1.0 {
+            self.cos_i
+        } else {
+            self.cos_o
+        };
+        fresnel_dielectric(cos, lobe.eta.x).0
+    }
 }
 
 #[inline]
@@ -85,7 +101,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if !half.valid {
         return Rgb::ZERO;
     }
-    let reflectance = fresnel_dielectric(half.cos_i, lobe.eta.x).0;
+    let reflectance = half.reflectance(lobe);
     let area = projected_area(lobe.distribution, lobe.alpha, wi)
         * projected_area(lobe.distribution, lobe.alpha, wo);
     let d = distribution(lobe.distribution, lobe.alpha, half.m) / area;
@@ -109,7 +125,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if !half.valid {
         return 0.0;
     }
-    let reflectance = fresnel_dielectric(half.cos_i, lobe.eta.x).0;
+    let reflectance = half.reflectance(lobe);
     let density = pdf_of_normal(lobe, wi, half.m);
     if half.reflection {
         density * reflectance * solid_angle_of_reflection(half.cos_i)

@@ -2,6 +2,9 @@
 //!
 //! The files hold directions and values in eight digits; `wi` there is the direction that is known, as here.
 
+mod common;
+
+use common::oracle::{Row, rows};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::{Lobe, fresnel, mode, rough_conductor, rough_dielectric};
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
@@ -20,14 +23,6 @@ mod tolerance {
     pub const RATIONAL_FIT: f64 = 8e-3;
     /// Absolute: the other renderer sets what is below about 1e-20 to zero, before factors that may be large.
     pub const NOTHING: f64 = 1e-16;
-}
-
-fn rows(csv: &'static str) -> impl Iterator<Item = Vec<f32>> {
-    csv.lines().skip(2).map(|line| {
-        line.split(',')
-            .map(|x| x.parse().expect("a number"))
-            .collect()
-    })
 }
 
 /// The rational fit of Beckmann's masking that Mitsuba uses in place of the exact expression (Walter et al. 2007).
@@ -53,8 +48,7 @@ fn values_and_densities_agree() {
         let lobe = lobe(kind, dist, alpha);
         let mut compared = 0;
         for r in rows(csv) {
-            let wi = Vec3::new(r[0], r[1], r[2]);
-            let wo = Vec3::new(r[3], r[4], r[5]);
+            let (wi, wo) = (r.wi, r.wo);
             let (f, p) = if kind == lobe_kind::ROUGH_CONDUCTOR {
                 (
                     rough_conductor::eval(&lobe, wi, wo),
@@ -76,7 +70,7 @@ fn values_and_densities_agree() {
                 (1.0, 1.0)
             };
             for c in 0..3 {
-                let (got, want) = (f64::from(f[c]), f64::from(r[6 + c]));
+                let (got, want) = (f64::from(f[c]), f64::from(r.f[c]));
                 assert_close(name, "value", &r, got, want, tolerance::RATIONAL_FIT);
                 assert_close(
                     name,
@@ -87,7 +81,7 @@ fn values_and_densities_agree() {
                     tolerance::VALUE,
                 );
             }
-            let (got, want) = (f64::from(p), f64::from(r[9]));
+            let (got, want) = (f64::from(p), f64::from(r.pdf));
             assert_close(name, "density", &r, got, want, tolerance::RATIONAL_FIT);
             assert_close(name, "density", &r, got * fit_i, want, tolerance::DENSITY);
             compared += u32::from(want > tolerance::NOTHING);
@@ -99,7 +93,7 @@ fn values_and_densities_agree() {
     }
 }
 
-fn assert_close(name: &str, what: &str, row: &[f32], got: f64, want: f64, relative: f64) {
+fn assert_close(name: &str, what: &str, row: &Row, got: f64, want: f64, relative: f64) {
     assert!(
         (got - want).abs() <= relative * want.abs() + tolerance::NOTHING,
         "{name}: {what} {got:e}, not {want:e}, at {row:?}"

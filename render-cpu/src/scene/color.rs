@@ -3,11 +3,12 @@
 //! A spectrum becomes a triplet by integration against the CIE 1931 colour matching functions and conversion from XYZ
 //! to linear sRGB (white point D65), as Mitsuba 3 does in its RGB variants:
 //!
-//!   X = sum_i s(l_i) x(l_i) / sum_i y(l_i),   l_i = 360 nm + 470 nm i / 999,   i = 0 ... 999
+//!   X = sum_i s(l_i) e(l_i) x(l_i) / sum_i y(l_i),   l_i = 360 nm + 470 nm i / 999,   i = 0 ... 999
 //!
-//! Normalising by the same sum of y makes Y = 1 for s = 1, without the bias of the sum. So s = 1 has the colour of
-//! equal energy, (1.2048, 0.9483, 0.9089), and not white. A single number is taken that way where light is emitted, and
-//! as the same number in every channel elsewhere. A test holds the numbers of Mitsuba 3.9.1, to 1e-4.
+//! e is 1 for what is emitted and the illuminant D65 for what is reflected (or is an index of refraction), since a
+//! white surface must come out white. So s = 1 is the colour of equal energy where light is emitted, (1.2048, 0.9483,
+//! 0.9089), and white, (0.9990, 0.9989, 0.9988), where it is reflected: Mitsuba normalises D65 by a constant that is
+//! 0.11 % too large, and so do we, for the sake of comparison. A test holds numbers of Mitsuba 3.9.1, to 1e-4.
 //!
 //! Spectral radiance in W/(m^2 sr nm) gives channels in the same unit.
 
@@ -24,6 +25,9 @@ const XYZ_TO_SRGB: [[f64; 3]; 3] = [
     [-0.969256, 1.875991, 0.041556],
     [0.055648, -0.204043, 1.057311],
 ];
+
+/// The scale of D65: the constant of Mitsuba 3, whose table has the mean 98.8878 over the quadrature below, weighted by y.
+const D65_SCALE: f64 = 1.0 / 98.997_417_518_762_55;
 
 /// Samples of the quadrature.
 const STEPS: usize = 1000;
@@ -51,19 +55,32 @@ pub fn linear_to_srgb(linear: f64) -> f64 {
     }
 }
 
+/// Under which light a spectrum is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Illuminant {
+    /// It is light itself, or equal energy at every wavelength.
+    EqualEnergy,
+    /// Daylight, the white of sRGB.
+    D65,
+}
+
 /// The colour of a function of the wavelength in nanometres; not clamped.
-pub fn spectrum_to_srgb(spectrum: impl Fn(f64) -> f64) -> [f64; 3] {
+pub fn spectrum_to_srgb(illuminant: Illuminant, spectrum: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut xyz = [0.0; 3];
     let mut normalization = 0.0;
     for i in 0..STEPS {
         let fraction = i as f64 / (STEPS - 1) as f64;
         let wavelength = FIRST_WAVELENGTH + fraction * (LAST_WAVELENGTH - FIRST_WAVELENGTH);
-        let matching = cie::matching_functions(wavelength);
-        let value = spectrum(wavelength);
-        for (sum, function) in xyz.iter_mut().zip(matching) {
+        let [x, y, z, d65] = cie::matching_functions_and_d65(wavelength);
+        let light = match illuminant {
+            Illuminant::EqualEnergy => 1.0,
+            Illuminant::D65 => d65 * D65_SCALE,
+        };
+        let value = spectrum(wavelength) * light;
+        for (sum, function) in xyz.iter_mut().zip([x, y, z]) {
             *sum += value * function;
         }
-        normalization += matching[1];
+        normalization += y;
     }
     xyz_to_srgb(xyz.map(|sum| sum / normalization))
 }
@@ -92,8 +109,8 @@ pub fn check_samples(samples: &[(f64, f64)]) -> Result<(), String> {
 
 /// The colour of samples over the wavelength, linear in between, zero outside; not clamped. The samples must pass
 /// [`check_samples`].
-pub fn samples_to_srgb(samples: &[(f64, f64)]) -> [f64; 3] {
-    spectrum_to_srgb(|wavelength| interpolate(samples, wavelength))
+pub fn samples_to_srgb(illuminant: Illuminant, samples: &[(f64, f64)]) -> [f64; 3] {
+    spectrum_to_srgb(illuminant, |wavelength| interpolate(samples, wavelength))
 }
 
 fn interpolate(samples: &[(f64, f64)], wavelength: f64) -> f64 {
@@ -125,5 +142,7 @@ pub fn planck(wavelength: f64, temperature: f64) -> f64 {
 
 /// The colour of a black body at a temperature in kelvin, in W/(m^2 sr nm) per channel; not clamped.
 pub fn blackbody_to_srgb(temperature: f64) -> [f64; 3] {
-    spectrum_to_srgb(|wavelength| planck(wavelength, temperature))
+    spectrum_to_srgb(Illuminant::EqualEnergy, |wavelength| {
+        planck(wavelength, temperature)
+    })
 }

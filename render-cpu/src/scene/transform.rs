@@ -126,6 +126,12 @@ pub fn rows(matrix: &DMat4) -> [f32; 12] {
     rows
 }
 
+/// The part of a matrix that acts on texture coordinates: two rows of three, the third column being the translation.
+pub fn uv_rows(matrix: &DMat4) -> [f32; 6] {
+    let (u, v) = (matrix.row(0), matrix.row(1));
+    [u.x, u.y, u.w, v.x, v.y, v.w].map(|x| x as f32)
+}
+
 /// [`rows`] of an affine matrix and of its inverse.
 ///
 /// # Errors

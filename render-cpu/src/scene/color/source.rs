@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::{blackbody_to_srgb, check_samples, samples_to_srgb, xyz_to_srgb};
+use super::{Illuminant, blackbody_to_srgb, check_samples, samples_to_srgb, xyz_to_srgb};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind, Property, Spectrum, Value, numbers, read_text};
 
@@ -18,6 +18,16 @@ pub enum ColorUse {
     Emission,
     /// An index of refraction or a factor: not negative; a flat spectrum is the same in every channel.
     Unbounded,
+}
+
+impl ColorUse {
+    /// Under which light a spectrum of this use is turned into a colour.
+    fn illuminant(self) -> Illuminant {
+        match self {
+            ColorUse::Emission => Illuminant::EqualEnergy,
+            ColorUse::Reflectance | ColorUse::Unbounded => Illuminant::D65,
+        }
+    }
 }
 
 /// A colour, and what had to be changed to get it.
@@ -48,16 +58,19 @@ pub fn from_property(
         Value::Int(x) => ([*x as f64; 3], 0.0),
         Value::Rgb(color) => (color.rgb.map(f64::from), 0.0),
         Value::Spectrum(Spectrum::Uniform(x)) => (uniform(*x, usage), 0.0),
-        Value::Spectrum(Spectrum::Samples(samples)) => (samples_to_srgb(samples), GAMUT_SLACK),
-        Value::Spectrum(Spectrum::File(path)) => {
-            (samples_to_srgb(&read_samples(path)?), GAMUT_SLACK)
+        Value::Spectrum(Spectrum::Samples(samples)) => {
+            (samples_to_srgb(usage.illuminant(), samples), GAMUT_SLACK)
         }
+        Value::Spectrum(Spectrum::File(path)) => (
+            samples_to_srgb(usage.illuminant(), &read_samples(path)?),
+            GAMUT_SLACK,
+        ),
         Value::Blackbody { temperature, scale } => {
             let rgb = blackbody_to_srgb(*temperature).map(|x| x * scale);
             let peak = rgb[0].max(rgb[1]).max(rgb[2]);
             (rgb, peak * GAMUT_SLACK)
         }
-        Value::Object(object) => match plugin(object)? {
+        Value::Object(object) => match plugin(object, usage)? {
             Some(rgb) => (rgb, GAMUT_SLACK),
             None => return Ok(None),
         },
@@ -95,7 +108,7 @@ fn uniform(value: f64, usage: ColorUse) -> [f64; 3] {
 }
 
 /// The colour of `<spectrum type="...">`, or of a texture of these types.
-fn plugin(object: &Object) -> Result<Option<[f64; 3]>, SceneError> {
+fn plugin(object: &Object, usage: ColorUse) -> Result<Option<[f64; 3]>, SceneError> {
     if !matches!(object.kind, ObjectKind::Spectrum | ObjectKind::Texture) {
         return Ok(None);
     }
@@ -134,7 +147,7 @@ fn plugin(object: &Object) -> Result<Option<[f64; 3]>, SceneError> {
                 );
                 return Err(object.error(format!("found {counts}")));
             }
-            sampled(object, wavelengths.into_iter().zip(values).collect())?
+            sampled(object, usage, wavelengths.into_iter().zip(values).collect())?
         }
         "regular" => {
             let first = object.require_float("wavelength_min")?;
@@ -146,7 +159,7 @@ fn plugin(object: &Object) -> Result<Option<[f64; 3]>, SceneError> {
                 .into_iter()
                 .enumerate()
                 .map(|(i, value)| (wavelength(i), value));
-            sampled(object, samples.collect())?
+            sampled(object, usage, samples.collect())?
         }
         _ => return Ok(None),
     };
@@ -158,9 +171,13 @@ fn list(object: &Object, name: &str) -> Result<Vec<f64>, SceneError> {
         .map_err(|message| object.property_error(name, message))
 }
 
-fn sampled(object: &Object, samples: Vec<(f64, f64)>) -> Result<[f64; 3], SceneError> {
+fn sampled(
+    object: &Object,
+    usage: ColorUse,
+    samples: Vec<(f64, f64)>,
+) -> Result<[f64; 3], SceneError> {
     check_samples(&samples).map_err(|message| object.error(message))?;
-    Ok(samples_to_srgb(&samples))
+    Ok(samples_to_srgb(usage.illuminant(), &samples))
 }
 
 /// A file with a wavelength in nanometres and a value on each line; `#` starts a comment.

@@ -40,7 +40,8 @@ pub fn property_name(kind: ObjectKind, plugin: &str, name: String) -> String {
 /// The properties of 0.6 that [`to_uv`] replaces.
 pub const UV_NAMES: [&str; 4] = ["uoffset", "voffset", "uscale", "vscale"];
 
-/// The transform for offsets and scales, in the order of [`UV_NAMES`]: uv' = scale (uv + offset).
+/// The transform for offsets and scales, in the order of [`UV_NAMES`]: uv' = scale (uv + offset), as Mitsuba 3 reads
+/// them.
 pub fn to_uv([u_offset, v_offset, u_scale, v_scale]: [f64; 4]) -> DMat4 {
     DMat4::from_scale(DVec3::new(u_scale, v_scale, 1.0))
         * DMat4::from_translation(DVec3::new(u_offset, v_offset, 0.0))

@@ -11,5 +11,6 @@ pub mod film;
 pub mod image_io;
 pub mod image_metadata;
 pub mod mesh;
+pub mod metrics;
 pub mod png_output;
 pub mod scene;

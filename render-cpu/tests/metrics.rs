@@ -1,0 +1,217 @@
+//! Metrics against closed forms and against figures of independent programs.
+
+use halflight::film::luminance;
+use halflight::metrics::RgbImage;
+use halflight::metrics::flip::{hdr_flip, ldr_flip, mean};
+use halflight::metrics::mse::mse;
+use halflight::metrics::psnr::psnr;
+use halflight::metrics::relative_mse::relative_mse;
+use halflight::metrics::residual_rms::residual_rms;
+use halflight::metrics::ssim::ssim;
+use halflight::png_output::srgb_encode;
+use proptest::prelude::*;
+
+fn constant(v: [f64; 3]) -> RgbImage {
+    RgbImage::new(16, 12, vec![v; 16 * 12])
+}
+
+#[test]
+fn closed_forms_of_constant_images() {
+    let (a, b) = (constant([0.5, 1.0, 2.0]), constant([0.4, 1.0, 1.0]));
+    assert!((mse(&a, &b) - (0.01 + 1.0) / 3.0).abs() < 1e-13);
+    let expected = (0.01 / (0.16 + 0.01) + 1.0 / 1.01) / 3.0;
+    assert!((relative_mse(&a, &b) - expected).abs() < 1e-13);
+    let expected = (((0.1 / 0.45_f64).powi(2) + (1.0 / 1.5_f64).powi(2)) / 3.0).sqrt();
+    assert!((residual_rms(&a, &b) - expected).abs() < 1e-13);
+    // 2.0 and 1.0 look the same on a display: only red counts.
+    let expected = -10.0 * ((srgb_encode(0.5) - srgb_encode(0.4)).powi(2) / 3.0).log10();
+    assert!((psnr(&a, &b) - expected).abs() < 1e-12);
+    // Constant images have no variance: only the luminance term of SSIM is left.
+    let show = |p: [f64; 3]| srgb_encode(luminance(p.map(|v| v.min(1.0))));
+    let (x, y) = (show(a.pixels[0]), show(b.pixels[0]));
+    let expected = (2.0 * x * y + 1e-4) / (x * x + y * y + 1e-4);
+    assert!((ssim(&a, &b).unwrap() - expected).abs() < 1e-12);
+}
+
+#[test]
+fn equal_images_do_not_differ() {
+    let a = random(1);
+    assert_eq!(
+        (mse(&a, &a), relative_mse(&a, &a), residual_rms(&a, &a)),
+        (0.0, 0.0, 0.0)
+    );
+    assert_eq!(psnr(&a, &a), f64::INFINITY);
+    assert!((ssim(&a, &a).unwrap() - 1.0).abs() < 1e-12);
+    assert!(ldr_flip(&a, &a).iter().all(|&e| e == 0.0));
+    assert!(hdr_flip(&a, &a).iter().all(|&e| e == 0.0));
+    let black = constant([0.0; 3]);
+    assert_eq!(
+        (
+            residual_rms(&black, &black),
+            mean(&hdr_flip(&black, &black))
+        ),
+        (0.0, 0.0)
+    );
+}
+
+#[test]
+fn a_missing_feature_counts_two_in_the_residual_rms_however_bright() {
+    for bright in [1e-3, 1.0, 1e6] {
+        assert_eq!(
+            residual_rms(&constant([0.0; 3]), &constant([bright; 3])),
+            2.0
+        );
+    }
+    assert_eq!(
+        residual_rms(&constant([-1.0; 3]), &constant([-2.0; 3])),
+        0.0,
+        "negative values count as zero"
+    );
+}
+
+#[test]
+fn ssim_needs_a_window() {
+    let small = RgbImage::new(10, 40, vec![[0.5; 3]; 400]);
+    assert_eq!(ssim(&small, &small), None);
+}
+
+/// The hash behind the images that the other programs were given.
+fn hash(n: u64) -> f64 {
+    let mut n = n & 0xffff_ffff;
+    n = ((n ^ (n >> 16)) * 0x7feb_352d) & 0xffff_ffff;
+    n = ((n ^ (n >> 15)) * 0x846c_a68b) & 0xffff_ffff;
+    (n ^ (n >> 16)) as f64 / 4_294_967_296.0
+}
+
+const WIDTH: usize = 72;
+const HEIGHT: usize = 56;
+
+fn image(f: impl Fn(usize, usize, usize) -> f64) -> RgbImage {
+    let pixels = (0..WIDTH * HEIGHT)
+        .map(|i| [0, 1, 2].map(|c| f(i % WIDTH, i / WIDTH, c)))
+        .collect();
+    RgbImage::new(WIDTH, HEIGHT, pixels)
+}
+
+fn random_value(x: usize, y: usize, c: usize, seed: usize) -> f64 {
+    hash(((y * WIDTH + x) * 3 + c + seed * 100_003) as u64)
+}
+
+fn random(seed: usize) -> RgbImage {
+    image(|x, y, c| random_value(x, y, c, seed))
+}
+
+/// Waves and a red disk, moved to the right.
+fn structured_value(x: usize, y: usize, c: usize, shift: f64) -> f64 {
+    let (x, y, c_) = (x as f64, y as f64, c as f64);
+    if (x - 30.0 - shift).powi(2) + (y - 25.0).powi(2) < 196.0 {
+        [0.9, 0.2, 0.1][c]
+    } else {
+        0.5 + 0.35 * (0.21 * (x + shift) + 0.9 * c_).sin() * (0.17 * y - 0.4 * c_).cos()
+    }
+}
+
+fn structured(shift: f64) -> RgbImage {
+    image(|x, y, c| structured_value(x, y, c, shift))
+}
+
+fn noisy() -> RgbImage {
+    image(|x, y, c| {
+        (structured_value(x, y, c, 0.0) + 0.2 * (random_value(x, y, c, 3) - 0.5)).clamp(0.0, 1.0)
+    })
+}
+
+fn hdr(f: impl Fn(usize, usize, usize) -> f64) -> RgbImage {
+    image(|x, y, c| f(x, y, c) * (6.0 * (x + y) as f64 / (WIDTH + HEIGHT) as f64 - 2.0).exp2())
+}
+
+/// Figures of NVIDIA's flip-evaluator 1.7 (single precision) for the same images: the mean, and pixels (20, 10), (0, 0).
+#[test]
+fn flip_agrees_with_its_authors_program() {
+    let ldr = [
+        (
+            random(1),
+            random(2),
+            0.403_200_4,
+            0.314_249_16,
+            0.952_594_16,
+        ),
+        (
+            structured(0.0),
+            structured(2.0),
+            0.300_056_4,
+            0.249_487_06,
+            0.372_852_39,
+        ),
+        (
+            noisy(),
+            structured(0.0),
+            0.105_929_22,
+            0.113_002_35,
+            0.116_045_64,
+        ),
+    ];
+    let hdr_reference = hdr(|x, y, c| structured_value(x, y, c, 0.0));
+    let hdr = [
+        (
+            hdr(|x, y, c| structured_value(x, y, c, 2.0)),
+            0.258_603_99,
+            0.211_129_46,
+            0.274_982_27,
+        ),
+        (
+            hdr(|x, y, c| structured_value(x, y, c, 0.0) * (0.5 + random_value(x, y, c, 4))),
+            0.169_992_01,
+            0.221_987_81,
+            0.390_621_93,
+        ),
+    ];
+    let check = |map: Vec<f64>, expected: [f64; 3]| {
+        let computed = [mean(&map), map[10 * WIDTH + 20], map[0]];
+        eprintln!("{computed:?} against {expected:?}");
+        for i in 0..3 {
+            assert!(
+                (computed[i] - expected[i]).abs() < 1e-4,
+                "{computed:?} against {expected:?}"
+            );
+        }
+    };
+    for (a, b, mean, inner, corner) in ldr {
+        check(ldr_flip(&a, &b), [mean, inner, corner]);
+    }
+    for (a, mean, inner, corner) in hdr {
+        check(hdr_flip(&a, &hdr_reference), [mean, inner, corner]);
+    }
+}
+
+/// Figures of scikit-image for the same images: Gaussian weights of deviation 1.5, population covariance, range 1.
+#[test]
+fn ssim_agrees_with_scikit_image() {
+    let agrees = |a: RgbImage, b: RgbImage, expected: f64| {
+        let computed = ssim(&a, &b).unwrap();
+        assert!(
+            (computed - expected).abs() < 1e-9,
+            "{computed} against {expected}"
+        );
+    };
+    agrees(random(1), random(2), 0.054_917_801_013_632_21);
+    agrees(structured(0.0), structured(2.0), 0.851_016_954_984_787);
+    agrees(noisy(), structured(0.0), 0.776_457_079_744_548_5);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn metrics_are_finite_and_in_range(
+        a in prop::collection::vec(prop::array::uniform3(-1.0_f64..1e4), 12 * 11),
+        b in prop::collection::vec(prop::array::uniform3(0.0_f64..2.0), 12 * 11),
+    ) {
+        let (a, b) = (RgbImage::new(12, 11, a), RgbImage::new(12, 11, b));
+        prop_assert!(mse(&a, &b).is_finite() && relative_mse(&a, &b).is_finite());
+        prop_assert!((0.0..=2.0).contains(&residual_rms(&a, &b)));
+        prop_assert!(ssim(&a, &b).unwrap() <= 1.0);
+        for e in ldr_flip(&a, &b).into_iter().chain(hdr_flip(&a, &b)) {
+            prop_assert!((0.0..=1.0).contains(&e), "{e}");
+        }
+    }
+}

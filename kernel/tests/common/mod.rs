@@ -5,6 +5,7 @@
 
 pub mod chi_square;
 pub mod furnace;
+pub mod light_scene;
 pub mod oracle;
 
 use glam::{Vec2, Vec3};

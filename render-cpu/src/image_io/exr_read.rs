@@ -7,13 +7,15 @@
 //! # Hostile files
 //! The header is parsed and judged by the limits of [`super`] before any pixel storage is allocated. Blocks are copied by
 //! our own code with checked lengths instead of the crate's image builders, which index without checks; a block that
-//! occurs twice or not at all is an error. The crate's decompressors still contain reachable assertions (`exr` 1.74.2:
-//! "decompress tile coordinate bug", slice indices in PIZ and B44), so decoding runs under `catch_unwind` in this thread
-//! and a panic there becomes [`ImageError::Malformed`].
+//! occurs twice or not at all is an error. So is a DWA block whose counters are implausible, by which the crate would
+//! reserve memory. Its B44 decoder (`exr` 1.74.2) subtracts with overflow, which panics where overflow is checked, so
+//! decoding runs under `catch_unwind`, in this thread, and a panic becomes [`ImageError::Malformed`].
 
 use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, believable_bytes, guarded, read_file};
 use exr::block::UncompressedBlock;
+use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::block::reader::ChunksReader;
+use exr::compression::Compression;
 use exr::meta::attribute::{AttributeValue, SampleType};
 use exr::meta::header::Header;
 use std::collections::HashSet;
@@ -123,8 +125,14 @@ fn decode(bytes: &[u8], file: &Path) -> Result<ExrImage, ImageError> {
     let meta = chunks.meta_data().clone();
     let mut seen = HashSet::new();
     for chunk in chunks {
-        let block = chunk
-            .and_then(|chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false))
+        let chunk = chunk.map_err(|error| exr_error(file, error))?;
+        if !has_plausible_counts(&chunk, &headers) {
+            return Err(ImageError::malformed(
+                file,
+                "a DWA block announces more data than it can decode to",
+            ));
+        }
+        let block = UncompressedBlock::decompress_chunk(chunk, &meta, false)
             .map_err(|error| exr_error(file, error))?;
         let index = block.index;
         // The offset table is not trusted: it may lead to blocks that were not asked for, or twice to one.
@@ -184,11 +192,59 @@ fn check_headers(headers: &[Header], file_bytes: usize, file: &Path) -> Result<(
         if decoded_bytes > believable_bytes(file_bytes) {
             return refuse("the file is too short to hold them");
         }
+        // The crate reserves a whole block at a time, and a block may be larger than its image.
+        if max_block_bytes(header) > believable_bytes(file_bytes) {
+            return refuse("the file is too short to hold one of its tiles");
+        }
     }
     if headers.is_empty() {
         return Err(ImageError::malformed(file, "the file holds no image"));
     }
     Ok(())
+}
+
+/// Decoded size of the largest block that the header allows; `Header::max_block_byte_size` without overflow.
+fn max_block_bytes(header: &Header) -> u64 {
+    let size = header.max_block_pixel_size();
+    (size.width() as u64)
+        .saturating_mul(size.height() as u64)
+        .saturating_mul(header.channels.bytes_per_pixel as u64)
+}
+
+/// Whether the counters of a DWA block fit its extent; true for all other compressions.
+///
+/// A DWA block begins with eleven 64-bit counters, by which the crate (1.74.2) reserves memory unseen: 1 is the decoded
+/// size of the section without transform, 6 and 7 the sizes of the run-length section, 8 and 9 the numbers of AC and DC
+/// coefficients. None exceeds the block by more than the padding to 8 x 8 pixels.
+fn has_plausible_counts(chunk: &Chunk, headers: &[Header]) -> bool {
+    let header = &headers[chunk.layer_index];
+    if !matches!(
+        header.compression,
+        Compression::DWAA(_) | Compression::DWAB(_)
+    ) {
+        return true;
+    }
+    let bytes = match &chunk.compressed_block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return false,
+    };
+    // A block that compression would lengthen is stored as it is. Coordinates out of range are the crate's to refuse.
+    let extent = header
+        .get_block_data_indices(&chunk.compressed_block)
+        .and_then(|tile| header.get_absolute_block_pixel_coordinates(tile));
+    let pixels = extent.map_or(0, |extent| extent.size.area());
+    if bytes.len() == pixels * header.channels.bytes_per_pixel {
+        return true;
+    }
+    let (counters, _) = bytes.as_chunks::<8>();
+    let limit = max_block_bytes(header)
+        .saturating_mul(16)
+        .saturating_add(1 << 16);
+    [1, 6, 7, 8, 9].iter().all(|&k: &usize| {
+        let counter = counters.get(k).copied().map(u64::from_le_bytes);
+        counter.is_none_or(|counter| counter <= limit)
+    })
 }
 
 /// Copies a block's samples to its part's planes; `None` when its length does not fit its extent.

@@ -4,7 +4,8 @@
 //! h(u, v), a displacement along n in scene units, tilts the tangents (Blinn 1978, "Simulation of Wrinkled Surfaces",
 //! without the terms in dn/du):
 //! dp_du' = dp_du + n (dh/du - n . dp_du), likewise in v, n' = dp_du' x dp_dv', on the side of n.
-//! In both cases s' is dp_du made orthogonal to n'. Maps nest: the parent's frame is the surface frame of its child.
+//! The new tangent is the old one (normal map) or dp_du (bump map) made orthogonal to n'. Maps nest: the parent's frame
+//! is the surface frame of its child.
 //!
 //! A normal that wi cannot see although it sees the surface would be black: its tangential part is mirrored, n' becomes
 //! 2 (n . n') n - n', which faces wi. The terminator of bumps, where n' is lit and the surface turns away, is softened by
@@ -55,7 +56,8 @@ fn apply(
     frame: &Frame,
     wi: Vec3,
 ) -> Frame {
-    let normal = if map.kind == frame_map_kind::NORMAL {
+    let is_normal_map = map.kind == frame_map_kind::NORMAL;
+    let normal = if is_normal_map {
         let color = texture::eval_at_point(tables, map.texture, point);
         frame.to_world(color * 2.0 - Vec3::ONE)
     } else {
@@ -74,7 +76,8 @@ fn apply(
     if normal.dot(wi) * frame.n.dot(wi) < 0.0 {
         normal = frame.n * (2.0 * frame.n.dot(normal)) - normal;
     }
-    Frame::from_normal_tangent(normal, point.dp_du)
+    let tangent = if is_normal_map { frame.s } else { point.dp_du };
+    Frame::from_normal_tangent(normal, tangent)
 }
 
 /// Shadowing of the light from direction `w`, given the cosine of the perturbed normal with the surface's and that of `w`

@@ -7,6 +7,7 @@ pub mod chi_square;
 pub mod furnace;
 pub mod light_scene;
 pub mod oracle;
+pub mod tables;
 
 use glam::{Vec2, Vec3};
 

@@ -142,7 +142,12 @@ fn place(tables: &Tables<'_>, point: SurfacePoint, instance: u32) -> SurfacePoin
     let normal = NormalMap::new(n, p.geometric_normal);
     p.dn_du = normal.derivative(transform_normal(to_object, point.dn_du));
     p.dn_dv = normal.derivative(transform_normal(to_object, point.dn_dv));
-    p.frame = Frame::from_normal_tangent(normal.n, transform_vector(to_world, point.frame.s));
+    let tangent = if p.dp_du.length_squared() > 0.0 {
+        p.dp_du
+    } else {
+        transform_vector(to_world, point.frame.s)
+    };
+    p.frame = Frame::from_normal_tangent(normal.n, tangent);
     // The error in the group, taken through the map along the normal, and the rounding of the map itself. A hit inside
     // the instance was found with a ray that went through the inverse, so that counts too.
     let shift = transform_vector(to_world, point.geometric_normal).dot(p.geometric_normal);

@@ -56,7 +56,15 @@ pub fn triangle_point(tables: &Tables<'_>, primitive: u32, b1: f32, b2: f32) -> 
         dn1 = -dn1;
         dn2 = -dn2;
     }
-    let dp_du = map.u(e1, e2);
+    let (mut dp_du, mut dp_dv) = (map.u(e1, e2), map.v(e1, e2));
+    if !(is_moderate(dp_du) && is_moderate(dp_dv)) {
+        let frame = Frame::from_normal(geometric_normal);
+        (dp_du, dp_dv) = (frame.s, frame.t);
+    }
+    let (mut dn_du, mut dn_dv) = (map.u(dn1, dn2), map.v(dn1, dn2));
+    if !(is_moderate(dn_du) && is_moderate(dn_dv)) {
+        (dn_du, dn_dv) = (Vec3::ZERO, Vec3::ZERO);
+    }
     SurfacePoint {
         position,
         position_error: position_error(position, e1, e2, geometric_normal, area2),
@@ -65,9 +73,9 @@ pub fn triangle_point(tables: &Tables<'_>, primitive: u32, b1: f32, b2: f32) -> 
         uv,
         barycentric: Vec2::new(b1, b2),
         dp_du,
-        dp_dv: map.v(e1, e2),
-        dn_du: map.u(dn1, dn2),
-        dn_dv: map.v(dn1, dn2),
+        dp_dv,
+        dn_du,
+        dn_dv,
         shape: triangle.shape,
         primitive,
         instance: 0,
@@ -112,6 +120,12 @@ fn position_error(position: Vec3, e1: Vec3, e2: Vec3, normal: Vec3, area2: f32) 
     8.0 * ROUNDING * ((position.abs() + reach).dot(normal.abs()) + tilt + floor)
 }
 
+/// Whether a derivative is finite, and stays so under an instance's map.
+#[inline]
+fn is_moderate(v: Vec3) -> bool {
+    abs(v.x) + abs(v.y) + abs(v.z) < 1e25
+}
+
 /// The inverse of the map from barycentric weights to uv.
 #[derive(Clone, Copy)]
 struct UvMap {
@@ -126,11 +140,12 @@ impl UvMap {
     fn new(duv1: Vec2, duv2: Vec2, e1: Vec3, e2: Vec3, normal: Vec3, area2: f32) -> UvMap {
         let determinant = duv1.x * duv2.y - duv1.y * duv2.x;
         let inverse = 1.0 / determinant;
-        if abs(determinant) > 0.0 && abs(inverse) < 1e20 {
-            return UvMap {
-                du: Vec2::new(duv2.y, -duv1.y) * inverse,
-                dv: Vec2::new(-duv2.x, duv1.x) * inverse,
-            };
+        let map = UvMap {
+            du: Vec2::new(duv2.y, -duv1.y) * inverse,
+            dv: Vec2::new(-duv2.x, duv1.x) * inverse,
+        };
+        if abs(determinant) > 0.0 && is_moderate(map.u(e1, e2)) && is_moderate(map.v(e1, e2)) {
+            return map;
         }
         // Orthonormal tangents s, t written in the basis e1, e2: b1 = n . (s x e2) / |e1 x e2|, b2 = n . (e1 x s) / ...
         let inverse = if area2 > 1e-30 { 1.0 / area2 } else { 0.0 };

@@ -155,13 +155,17 @@ fn to_group(tables: &Tables<'_>, quadric: u32, c: Canonical) -> SurfacePoint {
     };
     let normal = NormalMap::new(transform_normal(to_object, c.normal) * sign, Vec3::Z);
     let position = transform_point(to_world, c.position);
-    // The intersection is solved in object space, where everything is of size one: in the group's space that is the
-    // size of the map, along the normal and, for the rounding of the ray's own map, of the translation.
-    let magnitude = transform_magnitude(to_world, Vec3::ONE) + translation(to_world).abs();
+    // Rounding of the position in the group's space, along the normal; and rounding in object space, of the map of a ray's
+    // origin and of the solution itself (some units of the surface's size one), which is 1 / |A^-T N| as long outside.
+    let outside = transform_magnitude(to_world, c.position) + translation(to_world).abs();
+    let inside = transform_magnitude(to_object, position) + translation(to_object).abs();
+    let position_error = 8.0
+        * ROUNDING
+        * (outside.dot(normal.n.abs())
+            + (inside.dot(c.normal.abs()) + 2.0) * normal.inverse_length.abs());
     SurfacePoint {
         position,
-        position_error: ROUNDING
-            * (24.0 * magnitude.dot(normal.n.abs()) + 8.0 * magnitude.max_element()),
+        position_error,
         geometric_normal: normal.n,
         frame: Frame::from_normal_tangent(normal.n, transform_vector(to_world, c.tangent)),
         uv: c.uv,

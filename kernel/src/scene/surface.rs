@@ -12,7 +12,7 @@ use super::traverse::Hit;
 use super::triangle::triangle_point;
 use super::view::Tables;
 use crate::math::affine::{
-    transform_magnitude, transform_normal, transform_point, transform_vector,
+    transform_magnitude, transform_normal, transform_point, transform_vector, translation,
 };
 use crate::math::float::{is_finite, sqrt};
 use crate::math::{Frame, Ray};
@@ -132,10 +132,11 @@ fn place(tables: &Tables<'_>, point: SurfacePoint, instance: u32) -> SurfacePoin
     let mut p = point;
     p.instance = instance;
     p.position = transform_point(to_world, point.position);
-    p.geometric_normal = unit_or(
+    let geometric = NormalMap::new(
         transform_normal(to_object, point.geometric_normal),
         point.geometric_normal,
     );
+    p.geometric_normal = geometric.n;
     p.dp_du = transform_vector(to_world, point.dp_du);
     p.dp_dv = transform_vector(to_world, point.dp_dv);
     let n = transform_normal(to_object, point.frame.n);
@@ -148,14 +149,13 @@ fn place(tables: &Tables<'_>, point: SurfacePoint, instance: u32) -> SurfacePoin
         transform_vector(to_world, point.frame.s)
     };
     p.frame = Frame::from_normal_tangent(normal.n, tangent);
-    // The error in the group, taken through the map along the normal, and the rounding of the map itself. A hit inside
-    // the instance was found with a ray that went through the inverse, so that counts too.
-    let shift = transform_vector(to_world, point.geometric_normal).dot(p.geometric_normal);
-    let rounding = transform_magnitude(to_world, point.position)
-        + crate::math::affine::translation(to_world).abs();
-    p.position_error = point.position_error * shift.abs()
-        + 16.0 * ROUNDING * rounding.dot(p.geometric_normal.abs())
-        + 8.0 * ROUNDING * rounding.max_element();
+    // The error in the group and that of mapping a ray's origin into it, as long as the map makes them along the normal,
+    // and the rounding of the position here.
+    let outside = transform_magnitude(to_world, point.position) + translation(to_world).abs();
+    let inside = transform_magnitude(to_object, p.position) + translation(to_object).abs();
+    let mapped = 8.0 * ROUNDING * inside.dot(point.geometric_normal.abs());
+    p.position_error = (point.position_error + mapped) * geometric.inverse_length
+        + 8.0 * ROUNDING * outside.dot(p.geometric_normal.abs());
     p
 }
 
@@ -165,7 +165,7 @@ pub(super) struct NormalMap {
     /// The unit vector.
     pub n: Vec3,
     /// 1 / |N|, zero where the fallback was taken.
-    inverse_length: f32,
+    pub inverse_length: f32,
 }
 
 impl NormalMap {

@@ -208,6 +208,7 @@ pub fn runner(cases: u32) -> TestRunner {
             cases,
             failure_persistence: None,
             max_global_rejects: 1_000_000,
+            max_local_rejects: 10_000_000,
             ..Config::default()
         },
         TestRng::deterministic_rng(RngAlgorithm::ChaCha),

@@ -15,7 +15,7 @@
 mod cie;
 mod source;
 
-pub use source::{ColorUse, Converted, from_property};
+pub use source::{ColorUse, Converted, from_property, is_constant};
 
 use cie::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 

@@ -107,6 +107,14 @@ fn uniform(value: f64, usage: ColorUse) -> [f64; 3] {
     }
 }
 
+/// Whether a spectrum or texture plugin is a constant colour.
+pub fn is_constant(plugin: &str) -> bool {
+    matches!(
+        plugin,
+        "uniform" | "d65" | "srgb" | "rgb" | "blackbody" | "irregular" | "regular"
+    )
+}
+
 /// The colour of `<spectrum type="...">`, or of a texture of these types.
 fn plugin(object: &Object, usage: ColorUse) -> Result<Option<[f64; 3]>, SceneError> {
     if !matches!(object.kind, ObjectKind::Spectrum | ObjectKind::Texture) {
@@ -115,7 +123,11 @@ fn plugin(object: &Object, usage: ColorUse) -> Result<Option<[f64; 3]>, SceneErr
     let rgb = match object.plugin.as_str() {
         "uniform" => [object.get_float("value", 1.0)?; 3],
         // In RGB, daylight is white.
-        "d65" => [object.get_float("scale", 1.0)?; 3],
+        "d65" => {
+            let scale = object.get_float("scale", 1.0)?;
+            let rgb = object.get_rgb("color", ColorUse::Unbounded, [1.0; 3])?;
+            rgb.map(|x| f64::from(x) * scale)
+        }
         "srgb" | "rgb" => {
             let name = if object.has("value") {
                 "value"

@@ -1,6 +1,6 @@
 //! Elements that are values: `<float>`, `<rgb>`, `<spectrum>` and the like.
 
-use super::loader::Element;
+use super::element::Element;
 use super::numbers::{self, shortened};
 use super::source;
 use super::transforms;

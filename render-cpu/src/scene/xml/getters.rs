@@ -300,7 +300,12 @@ impl Object {
     /// The texture of a name; nothing when the property is absent or something else.
     pub fn texture(&self, name: &str) -> Option<&Arc<Object>> {
         match &self.get(name)?.value {
-            Value::Object(object) if object.kind == ObjectKind::Texture => Some(object),
+            // A constant colour may be dressed as a texture; `opt_rgb` takes it.
+            Value::Object(object)
+                if object.kind == ObjectKind::Texture && !color::is_constant(&object.plugin) =>
+            {
+                Some(object)
+            }
             _ => None,
         }
     }

@@ -3,21 +3,20 @@
 //! Included files are read where they are named: their objects become children of the element that includes them, as
 //! if written there, except that file names and versions count from their own file.
 
-use std::borrow::Cow;
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DMat4;
-use roxmltree::{Document as Xml, Node, ParsingOptions};
+use roxmltree::Node;
 
-use super::numbers::shortened;
+use super::document::{Document, RawObject, RawValue};
+use super::element::Element;
 use super::object::ObjectKind;
 use super::parameters::Parameters;
-use super::source::{self, Source};
+use super::source::Source;
 use super::value::Value;
-use super::{elements, limits, transforms, upgrade};
-use crate::scene::error::{Diagnostics, Location, SceneError, searched, suggestion};
+use super::{elements, limits, transforms};
+use crate::scene::error::{Diagnostics, SceneError, suggestion};
 
 /// Where a scene comes from.
 pub enum Origin<'a> {
@@ -25,54 +24,6 @@ pub enum Origin<'a> {
     File(&'a Path),
     /// A text, and the name of the file that it stands for.
     Text(&'a str, &'a Path),
-}
-
-/// A value, or a link to an object.
-pub enum RawValue {
-    /// A value.
-    Value(Value),
-    /// The object at an index of the document.
-    Nested(usize),
-    /// The object of a name.
-    Reference(String),
-}
-
-/// A property before references are resolved.
-pub struct RawProperty {
-    /// In snake case, or empty.
-    pub name: String,
-    /// The value.
-    pub value: RawValue,
-    /// Where.
-    pub location: Location,
-    /// The element.
-    pub tag: &'static str,
-}
-
-/// An object before references are resolved.
-pub struct RawObject {
-    /// What it is.
-    pub kind: ObjectKind,
-    /// Its plugin.
-    pub plugin: String,
-    /// Its name.
-    pub id: Option<String>,
-    /// Where.
-    pub location: Location,
-    /// For file names in its properties.
-    pub search_paths: Arc<[PathBuf]>,
-    /// In the order of the file.
-    pub properties: Vec<RawProperty>,
-}
-
-/// Everything that was read; the root is object 0.
-pub struct Document {
-    /// Nested objects come after those that hold them.
-    pub objects: Vec<RawObject>,
-    /// Object of each name and alias.
-    pub by_id: HashMap<String, usize>,
-    /// The files that were read.
-    pub files: Vec<PathBuf>,
 }
 
 /// Reads a scene and everything that it includes.
@@ -87,11 +38,7 @@ pub fn load(
         Origin::Text(text, name) => Source::new(name, text.to_owned()),
     };
     let mut loader = Loader {
-        document: Document {
-            objects: Vec::new(),
-            by_id: HashMap::new(),
-            files: Vec::new(),
-        },
+        document: Document::default(),
         parameters,
         diagnostics,
         budget,
@@ -103,188 +50,49 @@ pub fn load(
     Ok(loader.document)
 }
 
-/// An element with its parameters put in.
-pub struct Element<'a> {
-    /// Its name.
-    pub tag: &'a str,
-    /// Where file names are sought.
-    pub search_paths: Arc<[PathBuf]>,
-    location: Location,
-    attributes: Vec<(&'a str, Cow<'a, str>)>,
-    diagnostics: Arc<Diagnostics>,
-}
-
-impl Element<'_> {
-    /// The value of an attribute.
-    pub fn attribute(&self, name: &str) -> Option<&str> {
-        let found = self.attributes.iter().find(|(known, _)| *known == name);
-        found.map(|(_, value)| value.as_ref())
-    }
-    /// The value of an attribute that must be there.
-    pub fn require(&self, name: &str) -> Result<&str, SceneError> {
-        self.attribute(name)
-            .ok_or_else(|| self.error(format!("the attribute \"{name}\" is missing")))
-    }
-    /// The value of an attribute that must be there, converted.
-    pub fn parse<T>(
-        &self,
-        name: &str,
-        convert: impl FnOnce(&str) -> Result<T, String>,
-    ) -> Result<T, SceneError> {
-        convert(self.require(name)?).map_err(|message| self.error(message))
-    }
-    /// An error here.
-    pub fn error(&self, message: impl Into<String>) -> SceneError {
-        SceneError::element(&self.location, self.quoted(), message)
-    }
-    /// A warning here.
-    pub fn warn(&self, message: impl Into<String>) -> Result<(), SceneError> {
-        self.diagnostics
-            .warn(&self.location, self.quoted(), message)
-    }
-    /// A warning about every attribute that is not among the known.
-    pub fn check_attributes(&self, known: &[&str]) -> Result<(), SceneError> {
-        for (name, _) in &self.attributes {
-            if !known.contains(name) {
-                let message = format!(
-                    "the attribute \"{}\" is not known here and is ignored",
-                    shortened(name)
-                );
-                self.warn(message)?;
-            }
-        }
-        Ok(())
-    }
-    /// The element as a person would quote it.
-    fn quoted(&self) -> String {
-        let tag = shortened(self.tag);
-        let shown = ["name", "id", "filename", "type"]
-            .into_iter()
-            .find_map(|key| Some((key, self.attribute(key)?)));
-        match shown {
-            Some((key, value)) => format!("<{tag} {key}=\"{}\">", shortened(value)),
-            None => format!("<{tag}>"),
-        }
-    }
-}
-
 /// What stays the same within one file.
-struct FileContext<'a> {
-    source: &'a Source,
-    search_paths: Arc<[PathBuf]>,
+pub(super) struct FileContext<'a> {
+    pub(super) source: &'a Source,
+    pub(super) search_paths: Arc<[PathBuf]>,
 }
 
-struct Loader<'a> {
-    document: Document,
+/// Reads files into a document.
+pub(super) struct Loader<'a> {
+    pub(super) document: Document,
     parameters: &'a mut Parameters,
-    diagnostics: &'a Arc<Diagnostics>,
-    budget: u64,
+    pub(super) diagnostics: &'a Arc<Diagnostics>,
+    pub(super) budget: u64,
     elements: usize,
     depth: usize,
     /// The including files, outermost first, for cycles.
-    open_files: Vec<PathBuf>,
+    pub(super) open_files: Vec<PathBuf>,
 }
 
 impl Loader<'_> {
-    /// Reads one file; `parent` is the object that includes it, and the name that it gives to an included object.
-    fn file(
-        &mut self,
-        source: &Source,
-        search_paths: &[PathBuf],
-        parent: Option<(usize, &str)>,
-    ) -> Result<(), SceneError> {
-        let options = ParsingOptions {
-            allow_dtd: false,
-            // Text, comments and attributes' name spaces count as nodes too.
-            nodes_limit: (4 * limits::MAX_ELEMENTS) as u32,
-            ..ParsingOptions::default()
-        };
-        let xml = Xml::parse_with_options(&source.text, options).map_err(|error| {
-            let mut location = Location::of_file(source.path.clone());
-            location.line = error.pos().row;
-            location.column = error.pos().col;
-            SceneError::File {
-                location,
-                message: format!("malformed XML: {}", message_without_place(&error)),
-            }
-        })?;
-        self.document.files.push(source.path.to_path_buf());
-        self.open_files.push(identity(&source.path));
-        let folder = match source.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
-            _ => PathBuf::from("."),
-        };
-        let mut context = FileContext {
-            source,
-            search_paths: source::prepended(search_paths, folder),
-        };
-        let root = xml.root_element();
-        let element = self.element(root, &context)?;
-        let Some(kind) = ObjectKind::from_element(element.tag) else {
-            return Err(element.error("the outermost element must be <scene>"));
-        };
-        if element.attribute("version").is_none() {
-            element.warn("the attribute \"version\" is missing; 3.0.0 is assumed")?;
-        }
-        match parent {
-            None if kind != ObjectKind::Scene => {
-                return Err(element.error("the outermost element must be <scene>"));
-            }
-            Some((parent, _)) if kind == ObjectKind::Scene => {
-                self.children(root, parent, &mut context)?
-            }
-            Some((parent, name)) => {
-                let index = self.object(root, &element, kind, &mut context)?;
-                let name = match name {
-                    "" => element.attribute("name").unwrap_or(""),
-                    name => name,
-                };
-                self.add(
-                    parent,
-                    name,
-                    RawValue::Nested(index),
-                    &element,
-                    kind.element(),
-                )?;
-            }
-            None => {
-                self.object(root, &element, kind, &mut context)?;
-            }
-        }
-        self.open_files.pop();
-        Ok(())
-    }
-
-    /// The element with its parameters put in.
-    fn element<'a>(
+    /// An element, counted.
+    pub(super) fn element<'a>(
         &mut self,
         node: Node<'a, 'a>,
         context: &FileContext<'_>,
     ) -> Result<Element<'a>, SceneError> {
         self.elements += 1;
-        let mut element = Element {
-            tag: node.tag_name().name(),
-            search_paths: context.search_paths.clone(),
-            location: context.source.location(node.range().start),
-            attributes: Vec::new(),
-            diagnostics: self.diagnostics.clone(),
-        };
+        let paths = &context.search_paths;
+        let element = Element::new(
+            node,
+            context.source,
+            paths,
+            self.parameters,
+            self.diagnostics,
+        )?;
         if self.elements > limits::MAX_ELEMENTS {
             let message = format!("the scene has more than {} elements", limits::MAX_ELEMENTS);
             return Err(element.error(message));
-        }
-        for attribute in node.attributes() {
-            let value = self
-                .parameters
-                .substitute(attribute.value())
-                .map_err(|message| element.error(message))?;
-            element.attributes.push((attribute.name(), value));
         }
         Ok(element)
     }
 
     /// The elements inside of an object.
-    fn children(
+    pub(super) fn children(
         &mut self,
         node: Node<'_, '_>,
         parent: usize,
@@ -318,32 +126,33 @@ impl Loader<'_> {
                     return Err(element.error("the name is empty"));
                 }
                 self.parameters.set_default(name, element.require("value")?);
-                return childless(node, element);
+                return element.check_childless(node);
             }
             "path" => {
                 self.path(node, element, context)?;
-                return childless(node, element);
+                return element.check_childless(node);
             }
             "include" => {
                 self.include(element, parent, context)?;
-                return childless(node, element);
+                return element.check_childless(node);
             }
             "alias" => {
                 self.alias(element)?;
-                return childless(node, element);
+                return element.check_childless(node);
             }
             "ref" => {
                 element.check_attributes(&["id", "name"])?;
                 let id = element.require("id")?.to_owned();
                 let name = element.attribute("name").unwrap_or("");
-                self.add(parent, name, RawValue::Reference(id), element, "ref")?;
-                return childless(node, element);
+                self.document
+                    .add(parent, name, RawValue::Reference(id), element, "ref")?;
+                return element.check_childless(node);
             }
             "transform" => {
                 element.check_attributes(&["name"])?;
                 let matrix = self.transform(node, element, context)?;
                 let name = element.require("name")?;
-                return self.add(
+                return self.document.add(
                     parent,
                     name,
                     RawValue::Value(Value::Transform(matrix)),
@@ -364,7 +173,7 @@ impl Loader<'_> {
             }
             let index = self.object(node, element, kind, context)?;
             let name = element.attribute("name").unwrap_or("");
-            return self.add(
+            return self.document.add(
                 parent,
                 name,
                 RawValue::Nested(index),
@@ -374,14 +183,14 @@ impl Loader<'_> {
         }
         match elements::value(element)? {
             Some((tag, value)) => {
-                self.add(
+                self.document.add(
                     parent,
                     element.require("name")?,
                     RawValue::Value(value),
                     element,
                     tag,
                 )?;
-                childless(node, element)
+                element.check_childless(node)
             }
             None => {
                 let hint = suggestion(element.tag, KNOWN.iter().copied())
@@ -392,19 +201,17 @@ impl Loader<'_> {
     }
 
     /// An object and everything inside of it; returns its index.
-    fn object(
+    pub(super) fn object(
         &mut self,
         node: Node<'_, '_>,
         element: &Element<'_>,
         kind: ObjectKind,
         context: &mut FileContext<'_>,
     ) -> Result<usize, SceneError> {
-        let plugin = if kind == ObjectKind::Scene {
-            element.check_attributes(&["version", "type", "id", "name"])?;
-            "scene"
-        } else {
-            element.check_attributes(&["version", "type", "id", "name"])?;
-            element.require("type")?
+        element.check_attributes(&["version", "type", "id", "name"])?;
+        let plugin = match kind {
+            ObjectKind::Scene => "scene",
+            _ => element.require("type")?,
         };
         let index = self.document.objects.len();
         let id = element.attribute("id").filter(|id| !id.is_empty());
@@ -422,37 +229,15 @@ impl Loader<'_> {
             kind,
             plugin: plugin.to_owned(),
             id: id.map(str::to_owned),
-            location: element.location.clone(),
+            location: element.location().clone(),
             search_paths: element.search_paths.clone(),
             properties: Vec::new(),
         });
         self.children(node, index, context)?;
         if kind == ObjectKind::Texture {
-            self.upgrade_uv(index);
+            self.document.upgrade_uv(index);
         }
         Ok(index)
-    }
-
-    fn add(
-        &mut self,
-        parent: usize,
-        name: &str,
-        value: RawValue,
-        element: &Element<'_>,
-        tag: &'static str,
-    ) -> Result<(), SceneError> {
-        if name.is_empty() && matches!(value, RawValue::Value(_)) {
-            return Err(element.error("the name is empty"));
-        }
-        let object = &mut self.document.objects[parent];
-        let name = upgrade::property_name(object.kind, &object.plugin, upgrade::snake_case(name));
-        object.properties.push(RawProperty {
-            name,
-            value,
-            location: element.location.clone(),
-            tag,
-        });
-        Ok(())
     }
 
     fn transform(
@@ -465,7 +250,7 @@ impl Loader<'_> {
         for child in node.children().filter(Node::is_element) {
             let part = self.element(child, context)?;
             result = transforms::matrix(&part)? * result;
-            childless(child, &part)?;
+            part.check_childless(child)?;
         }
         if !result.is_finite() {
             return Err(element.error("the transform overflows"));
@@ -491,37 +276,13 @@ impl Loader<'_> {
             return Err(key.error("belongs inside of a <transform>"));
         }
         let matrix = self.transform(first, &key, context)?;
-        self.add(
+        self.document.add(
             parent,
             name,
             RawValue::Value(Value::Transform(matrix)),
             element,
             "animation",
         )
-    }
-
-    fn path(
-        &mut self,
-        node: Node<'_, '_>,
-        element: &Element<'_>,
-        context: &mut FileContext<'_>,
-    ) -> Result<(), SceneError> {
-        element.check_attributes(&["value"])?;
-        let depth_in_file = node.ancestors().filter(Node::is_element).count();
-        if depth_in_file != 2 {
-            return Err(element.error("belongs directly inside of the outermost element"));
-        }
-        let value = element.require("value")?;
-        let folder = source::find(&context.search_paths, value)
-            .filter(|folder| folder.is_dir())
-            .ok_or_else(|| {
-                element.error(format!(
-                    "no folder \"{value}\"; searched {}",
-                    searched(&context.search_paths)
-                ))
-            })?;
-        context.search_paths = source::prepended(&context.search_paths, folder);
-        Ok(())
     }
 
     fn alias(&mut self, element: &Element<'_>) -> Result<(), SceneError> {
@@ -535,74 +296,6 @@ impl Loader<'_> {
         }
         self.document.by_id.insert(alias.to_owned(), object);
         Ok(())
-    }
-
-    fn include(
-        &mut self,
-        element: &Element<'_>,
-        parent: usize,
-        context: &FileContext<'_>,
-    ) -> Result<(), SceneError> {
-        element.check_attributes(&["filename", "name"])?;
-        let file = element.require("filename")?;
-        let path = source::find(&context.search_paths, file).ok_or_else(|| {
-            element.error(format!(
-                "no file \"{file}\"; searched {}",
-                searched(&context.search_paths)
-            ))
-        })?;
-        if self.open_files.contains(&identity(&path)) {
-            return Err(element.error("the file includes itself, directly or through others"));
-        }
-        if self.open_files.len() >= limits::MAX_INCLUDE_DEPTH {
-            let message = format!(
-                "files are included more than {} deep",
-                limits::MAX_INCLUDE_DEPTH
-            );
-            return Err(element.error(message));
-        }
-        if self.document.files.len() >= limits::MAX_FILES {
-            return Err(element.error(format!(
-                "more than {} files are included",
-                limits::MAX_FILES
-            )));
-        }
-        let source = Source::read(&path, &mut self.budget)?;
-        let name = element.attribute("name").unwrap_or("");
-        self.file(&source, &context.search_paths, Some((parent, name)))
-    }
-
-    /// Offsets and scales of 0.6 become the transform that replaced them, unless there is one.
-    fn upgrade_uv(&mut self, index: usize) {
-        let properties = &mut self.document.objects[index].properties;
-        if properties.iter().any(|property| property.name == "to_uv") {
-            return;
-        }
-        let mut values = [0.0, 0.0, 1.0, 1.0];
-        let mut first: Option<RawProperty> = None;
-        let mut kept = Vec::with_capacity(properties.len());
-        for property in properties.drain(..) {
-            let slot = upgrade::UV_NAMES
-                .iter()
-                .position(|name| *name == property.name);
-            match (slot, &property.value) {
-                (Some(slot), RawValue::Value(Value::Float(x))) => values[slot] = *x,
-                (Some(slot), RawValue::Value(Value::Int(x))) => values[slot] = *x as f64,
-                _ => {
-                    kept.push(property);
-                    continue;
-                }
-            }
-            first.get_or_insert(property);
-        }
-        if let Some(property) = first {
-            kept.push(RawProperty {
-                name: "to_uv".into(),
-                value: RawValue::Value(Value::Transform(upgrade::to_uv(values))),
-                ..property
-            });
-        }
-        *properties = kept;
     }
 }
 
@@ -638,25 +331,3 @@ const KNOWN: &[&str] = &[
     "vector",
     "volume",
 ];
-
-fn childless(node: Node<'_, '_>, element: &Element<'_>) -> Result<(), SceneError> {
-    match node.children().find(Node::is_element) {
-        Some(child) => {
-            let tag = shortened(child.tag_name().name());
-            Err(element.error(format!("cannot hold other elements, but holds <{tag}>")))
-        }
-        None => Ok(()),
-    }
-}
-
-/// What makes two paths the same file.
-fn identity(path: &Path) -> PathBuf {
-    path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
-}
-
-/// The message of the XML reader, whose place we print ourselves.
-fn message_without_place(error: &roxmltree::Error) -> String {
-    let message = error.to_string();
-    let place = format!(" at {}", error.pos());
-    message.strip_suffix(&place).unwrap_or(&message).to_owned()
-}

@@ -7,7 +7,10 @@
 //!
 //! What hostile files may cost is bounded: see [`limits`].
 
+mod document;
+mod element;
 mod elements;
+mod files;
 mod getters;
 pub mod limits;
 mod loader;
@@ -89,7 +92,7 @@ pub fn parse_scene_from_str(
 }
 
 fn finish(
-    document: loader::Document,
+    document: document::Document,
     parameters: parameters::Parameters,
     diagnostics: Arc<Diagnostics>,
 ) -> Result<ParsedScene, SceneError> {

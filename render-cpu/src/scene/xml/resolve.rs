@@ -5,8 +5,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::document::{Document, RawObject, RawValue};
 use super::limits;
-use super::loader::{Document, RawObject, RawValue};
 use super::object::{Object, Properties, Property};
 use super::value::Value;
 use crate::scene::error::{Diagnostics, SceneError, suggestion};
@@ -66,30 +66,22 @@ impl Resolver<'_> {
                 RawValue::Nested(target) => Some(*target),
                 RawValue::Reference(id) => Some(self.target(id).map_err(fail)?),
             };
-            let value = match (target, property.value) {
-                (Some(_), _) if depth >= limits::MAX_DEPTH => {
-                    return Err(SceneError::element(
-                        &property.location,
-                        format!("<{}>", property.tag),
-                        format!(
-                            "objects refer to each other in a chain of more than {}",
-                            limits::MAX_DEPTH
-                        ),
-                    ));
+            let value = match target {
+                Some(_) if depth >= limits::MAX_DEPTH => {
+                    let limit = limits::MAX_DEPTH;
+                    return Err(fail(format!(
+                        "objects refer to each other in a chain of more than {limit}"
+                    )));
                 }
-                (Some(target), _) => match self.object(target, depth + 1)? {
+                Some(target) => match self.object(target, depth + 1)? {
                     Some(object) => Value::Object(object),
-                    None => {
-                        return Err(SceneError::element(
-                            &property.location,
-                            format!("<{}>", property.tag),
-                            format!("the reference is circular: it leads back to {element}"),
-                        ));
-                    }
+                    None => return Err(fail("the reference is circular".into())),
                 },
-                (None, RawValue::Value(value)) => value,
-                // Every other value has a target.
-                (None, _) => continue,
+                None => match property.value {
+                    RawValue::Value(value) => value,
+                    // Every other value has a target.
+                    RawValue::Nested(_) | RawValue::Reference(_) => continue,
+                },
             };
             let property = Property::new(property.name, value, property.location, property.tag);
             let (location, quoted) = (property.location.clone(), property.element());

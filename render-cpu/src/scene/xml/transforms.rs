@@ -4,7 +4,7 @@
 
 use glam::{DMat4, DVec3};
 
-use super::loader::Element;
+use super::element::Element;
 use super::numbers;
 use crate::scene::error::SceneError;
 use crate::scene::transform;

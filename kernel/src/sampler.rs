@@ -44,7 +44,7 @@ pub fn to_unit_interval(x: u32) -> f32 {
 /// 2^32 over the golden ratio, rounded to odd: counts through dimensions far apart in bits.
 const GOLDEN: u32 = 0x9e37_79b9;
 
-/// Two words from three: 64 bits, so that no two of the 10^9 samples of an image share a stream.
+/// Two words from three: 64 bits, so that the 10^9 samples of an image hardly ever share a stream.
 #[inline]
 fn keys(seed: u32, pixel: u32, sample: u32) -> (u32, u32) {
     let a = mix(pixel.wrapping_add(mix(seed.wrapping_add(0x6a09_e667))));

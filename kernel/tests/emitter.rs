@@ -84,7 +84,7 @@ fn check_light(name: &str, scene: &Scene, reference: Vec3) {
     // The same integrals from uniform directions.
     let mut traced = [[0.0_f64; 2]; 5];
     let mut total = [0.0_f64; 2];
-    const M: usize = 1 << 19;
+    const M: usize = 1 << 18;
     for _ in 0..M {
         let d = random.direction();
         let (_, pdf, _) = look(scene, reference, d);

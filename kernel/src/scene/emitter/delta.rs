@@ -110,13 +110,16 @@ fn projector(tables: &Tables<'_>, record: &Emitter, local: Vec3) -> Rgb {
     if !(local.z > 0.0) || !(tan_x > 0.0) || !(tan_y > 0.0) {
         return Vec3::ZERO;
     }
-    let u = 0.5 - 0.5 * local.x / (local.z * tan_x);
-    let v = 0.5 - 0.5 * local.y / (local.z * tan_y);
-    if !((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)) {
+    let uv = Vec2::new(
+        0.5 - 0.5 * local.x / (local.z * tan_x),
+        0.5 - 0.5 * local.y / (local.z * tan_y),
+    );
+    // Unequal also where it is not a number.
+    if uv != uv.clamp(Vec2::ZERO, Vec2::ONE) {
         return Vec3::ZERO;
     }
     let cos_theta = local.z / local.length();
-    color(tables, record, Vec2::new(u, v)) * (PI / (local.z * local.z * cos_theta))
+    color(tables, record, uv) * (PI / (local.z * local.z * cos_theta))
 }
 
 /// See [`super::power`].

@@ -31,6 +31,8 @@ pub struct ExrImage {
     pub height: u32,
     /// First pixel of the data window, in the coordinates of the display window.
     pub origin: [i32; 2],
+    /// Width and height of the display window: the whole image, of which this may be a crop.
+    pub display_size: [u32; 2],
     /// Name and `width * height` samples of each channel, rows from top to bottom; sorted by name within a part.
     pub channels: Vec<(String, Vec<f32>)>,
     /// Name and value of each attribute that is text or a number, as text, sorted by name. Parts after the first
@@ -92,6 +94,10 @@ fn decode(bytes: &[u8], file: &Path) -> Result<ExrImage, ImageError> {
             headers[0].own_attributes.layer_position.x(),
             headers[0].own_attributes.layer_position.y(),
         ],
+        display_size: {
+            let size = headers[0].shared_attributes.display_window.size;
+            [size.width(), size.height()].map(|side| u32::try_from(side).unwrap_or(u32::MAX))
+        },
         ..ExrImage::default()
     };
     let mut first_channel = Vec::with_capacity(headers.len());
@@ -295,7 +301,7 @@ fn copy_block(
 fn collect_attributes(header: &Header, prefix: &str, image: &mut ExrImage) {
     for (name, value) in header.all_named_attributes() {
         let text = match value {
-            AttributeValue::Text(text) => text.to_string(),
+            AttributeValue::Text(text) => String::from_utf8_lossy(text.as_slice()).into_owned(),
             AttributeValue::F32(number) => number.to_string(),
             AttributeValue::F64(number) => number.to_string(),
             AttributeValue::I32(number) => number.to_string(),

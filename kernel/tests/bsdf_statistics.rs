@@ -13,7 +13,8 @@ use halflight_kernel::bsdf::rough_plastic::{
 use halflight_kernel::bsdf::{Bsdf, BsdfSample, Lobe, MAX_LOBES, event, lobe, mode};
 use halflight_kernel::math::Frame;
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
-use std::f32::consts::PI;
+use proptest::prelude::*;
+use std::f32::consts::{PI, TAU};
 
 /// A lobe under test with the table that it reads.
 struct Case {
@@ -446,5 +447,90 @@ fn lobes_are_reciprocal() {
     for case in smooth_cases() {
         let asymmetry = furnace::asymmetry(&case.lobe, &case.data, 4_000, 8);
         assert!(asymmetry < 2e-2, "{}: {asymmetry}", case.name);
+    }
+}
+
+#[test]
+fn mixtures_weigh_their_parts() {
+    // Lossless parts whose weights sum to one return all light, discrete parts included.
+    let mut lobes = [Lobe::NONE; MAX_LOBES];
+    lobes[0] = white(lobe_kind::NULL);
+    lobes[1] = white(lobe_kind::DIFFUSE);
+    lobes[2] = white(lobe_kind::DIELECTRIC);
+    lobes[3] = white(lobe_kind::PLASTIC);
+    lobes[3].internal_reflectance = fresnel_diffuse_reflectance(1.0 / 1.5);
+    lobes[3].flags |= lobe_flag::NONLINEAR;
+    for (lobe, weight) in lobes.iter_mut().zip([0.15, 0.35, 0.3, 0.2]) {
+        lobe.mode = mode::IMPORTANCE;
+        lobe.weight = weight;
+    }
+    for wi in &incidences()[..3] {
+        let bsdf = Bsdf::from_lobes(lobes, 4, &[], *wi);
+        let mut random = Random(6);
+        let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
+        let n = 40_000;
+        for _ in 0..n {
+            let u1 = random.next_1d();
+            let s = bsdf.sample(&[], *wi, u1, random.next_2d());
+            let w = if s.pdf > 0.0 {
+                f64::from(s.weight.x)
+            } else {
+                0.0
+            };
+            sum += w;
+            squares += w * w;
+        }
+        let mean = sum / f64::from(n);
+        let error = ((squares / f64::from(n) - mean * mean).max(0.0) / f64::from(n)).sqrt();
+        assert!(
+            (mean - 1.0).abs() < 5.0 * error + 2e-5,
+            "wi {wi}: {mean} +- {error}"
+        );
+    }
+}
+
+/// Directions of every kind, grazing and axis-aligned ones among them.
+fn any_direction() -> impl Strategy<Value = Vec3> {
+    let unit = (-1.0_f32..=1.0, 0.0_f32..TAU).prop_map(|(z, phi)| {
+        let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+        Vec3::new(r * phi.cos(), r * phi.sin(), z)
+    });
+    let grazing =
+        (-1e-6_f32..=1e-6, 0.0_f32..TAU).prop_map(|(z, phi)| Vec3::new(phi.cos(), phi.sin(), z));
+    prop_oneof![6 => unit, 2 => grazing, 1 => Just(Vec3::Z), 1 => Just(-Vec3::Z), 1 => Just(Vec3::X)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4_000))]
+
+    /// Every function is finite and non-negative for every kind, roughness, index and pair of directions.
+    #[test]
+    fn lobes_are_total(
+        kind in 0_u32..=lobe_kind::NULL, distribution in 0_u32..2, flags in 0_u32..32,
+        log_alpha in prop::array::uniform2(-4.0_f32..0.3), log_eta in -1.0_f32..1.0, k in 0.0_f32..10.0,
+        rho in prop::array::uniform3(0.0_f32..=1.0), internal in 0.0_f32..1.0, frame in any_direction(),
+        has_frame: bool, wi in any_direction(), wo in any_direction(), u in prop::array::uniform3(0.0_f32..1.0),
+    ) {
+        let mut lobe = white(kind);
+        lobe.distribution = distribution;
+        lobe.flags = flags;
+        lobe.alpha = Vec2::new(10.0_f32.powf(log_alpha[0]), 10.0_f32.powf(log_alpha[1]));
+        lobe.eta = Vec3::splat(10.0_f32.powf(log_eta));
+        lobe.k = Vec3::splat(k);
+        lobe.reflectance = Vec3::from(rho);
+        lobe.internal_reflectance = internal;
+        lobe.frame = Frame::from_normal(frame.normalize());
+        lobe.has_frame = has_frame;
+        let (f, p) = lobe::eval_cosine_pdf(&lobe, &[], wi, wo);
+        prop_assert!(f.is_finite() && f.min_element() >= 0.0, "f {f}");
+        prop_assert!(p.is_finite() && p >= 0.0, "pdf {p}");
+        let s = lobe::sample(&lobe, &[], wi, u[0], Vec2::new(u[1], u[2]));
+        prop_assert!(s.pdf.is_finite() && s.pdf >= 0.0, "{s:?}");
+        if s.pdf > 0.0 {
+            prop_assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{s:?}");
+            prop_assert!((s.wo.length() - 1.0).abs() < 1e-4 && s.eta > 0.0, "{s:?}");
+        }
+        let albedo = lobe::albedo(&lobe, &[], wi);
+        prop_assert!(albedo.is_finite() && albedo.max_element() <= 1.0 + 1e-5, "{albedo}");
     }
 }

@@ -6,6 +6,7 @@
 pub mod chi_square;
 pub mod furnace;
 pub mod light_scene;
+pub mod lobes;
 pub mod oracle;
 pub mod tables;
 

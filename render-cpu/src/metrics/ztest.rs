@@ -315,7 +315,11 @@ fn smoothed(variance: &RgbImage) -> Vec<[f64; 3]> {
     result
 }
 
-/// Sum of the autocorrelation of z over the lags that are significant, at least 1.
+/// Most that noise is believed to be correlated: a Gaussian of deviation 0.5, the usual filter, has pi.
+/// More is a difference between the images that has found its way into the estimate.
+const MAX_CORRELATION: f64 = 4.0;
+
+/// Sum of the autocorrelation of z over the lags that are significant, at least 1 and at most 4.
 fn correlation_factor(z: &[[f64; 3]], width: usize) -> f64 {
     const REACH: isize = 3;
     const APART: usize = 8;
@@ -372,5 +376,5 @@ fn correlation_factor(z: &[[f64; 3]], width: usize) -> f64 {
             }
         }
     }
-    factor
+    factor.min(MAX_CORRELATION)
 }

@@ -1,0 +1,224 @@
+//! The render loop: passes of samples over the film, on all threads, until a goal is reached.
+//!
+//! A sample is a function of (seed, pixel, sample index) and pixels do not share anything, so the film after a given
+//! number of samples is the same to the last bit for any number of threads and any interruptions. Work is cut into
+//! passes; between two passes the loop saves checkpoints, looks at the clock and at the request to stop, and, in
+//! adaptive runs, decides how many samples each pixel gets next, a function of the film alone.
+
+use crate::accel::Accel;
+use crate::adaptive;
+use crate::aov::AovSample;
+use crate::film::{Film, FilmTile};
+use crate::scene::build::Scene;
+use halflight_kernel::sampler::AnySampler;
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::{self, IntegratorSettings, aov};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Side of the square of pixels that a thread takes at a time.
+const TILE: u32 = 16;
+
+/// Longest time that a pass should take, so that checkpoints, clocks and Ctrl-C are heeded.
+const PASS_SECONDS: f64 = 2.0;
+
+/// What ends a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// Samples per pixel, counted from the first sample of the run.
+    Samples(u32),
+    /// Time spent in this run.
+    Time(Duration),
+}
+
+/// How a scene is rendered.
+#[derive(Clone, Debug)]
+pub struct RenderOptions {
+    /// What ends the run.
+    pub goal: Goal,
+    /// Seed of the random sequence.
+    pub seed: u32,
+    /// Index of the first sample of every pixel.
+    pub first_sample: u32,
+    /// Whether samples go where the error is.
+    pub adaptive: bool,
+}
+
+/// Where a run stands; kept in checkpoints.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunState {
+    /// Complete passes.
+    pub passes: u32,
+    /// Samples per pixel on average.
+    pub samples: u32,
+    /// Seconds spent, earlier runs included.
+    pub seconds: f64,
+}
+
+/// Why the loop returned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The goal is reached.
+    Finished,
+    /// Somebody asked it to stop.
+    Interrupted,
+}
+
+/// What the loop tells about between two passes.
+pub trait Observer {
+    /// Called after every pass; an error ends the run and is handed to the caller.
+    ///
+    /// # Errors
+    /// Whatever makes going on useless, such as a checkpoint that cannot be written.
+    fn after_pass(&mut self, state: &RunState, film: &Film) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
+}
+
+/// Renders passes into `film` until the goal or until `stop` is set.
+///
+/// # Errors
+/// What the observer returned; the film is complete up to the last pass.
+pub fn render(
+    scene: &Scene,
+    accel: &Accel,
+    options: &RenderOptions,
+    film: &mut Film,
+    state: &mut RunState,
+    stop: &AtomicBool,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, Box<dyn std::error::Error + Send + Sync>> {
+    let tables = scene.tables.view();
+    let traverse = accel.traverse(tables);
+    let view = SceneView {
+        tables,
+        traverse: &traverse,
+    };
+    let start = Instant::now();
+    let seconds_before = state.seconds;
+    let mut seconds_per_sample = None;
+    loop {
+        let elapsed = start.elapsed();
+        let left = match options.goal {
+            Goal::Samples(n) => n.saturating_sub(state.samples),
+            Goal::Time(limit) => {
+                if elapsed >= limit {
+                    0
+                } else {
+                    u32::MAX - options.first_sample - state.samples
+                }
+            }
+        };
+        if left == 0 {
+            return Ok(Outcome::Finished);
+        }
+        if stop.load(Ordering::Relaxed) {
+            return Ok(Outcome::Interrupted);
+        }
+        let per_pixel = if options.adaptive {
+            // Where adaptive passes begin decides the image, so their size may not depend on the clock.
+            adaptive_pass_size(state.samples).min(left)
+        } else {
+            let budget = match options.goal {
+                Goal::Time(limit) => (limit - elapsed).as_secs_f64().min(PASS_SECONDS),
+                Goal::Samples(_) => PASS_SECONDS,
+            };
+            pass_size(seconds_per_sample, budget).min(left)
+        };
+        let counts = options
+            .adaptive
+            .then(|| adaptive::next_sample_counts(film, per_pixel));
+        let pass_start = Instant::now();
+        render_pass(&view, &scene.settings, scene.sampler, options, film, per_pixel, counts.as_deref());
+        seconds_per_sample = Some(pass_start.elapsed().as_secs_f64() / f64::from(per_pixel));
+        state.passes += 1;
+        state.samples += per_pixel;
+        state.seconds = seconds_before + start.elapsed().as_secs_f64();
+        observer.after_pass(state, film)?;
+    }
+}
+
+/// Samples per pixel of a pass that takes about `budget` seconds.
+fn pass_size(seconds_per_sample: Option<f64>, budget: f64) -> u32 {
+    match seconds_per_sample {
+        None => 1,
+        Some(cost) => (budget / cost.max(1e-9)).clamp(1.0, 64.0) as u32,
+    }
+}
+
+/// Uniform passes until the statistics say something, then passes of an eighth of what is there.
+fn adaptive_pass_size(samples: u32) -> u32 {
+    if samples < adaptive::UNIFORM_SAMPLES {
+        adaptive::UNIFORM_SAMPLES - samples
+    } else {
+        (samples / 8).clamp(4, 64)
+    }
+}
+
+/// Adds `per_pixel` samples to every pixel, or `counts` where given.
+fn render_pass<T: Traverse + Sync>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    sampler_kind: u32,
+    options: &RenderOptions,
+    film: &mut Film,
+    per_pixel: u32,
+    counts: Option<&[u32]>,
+) {
+    let width = film.width();
+    let needs_surface = film.aovs().needs_surface();
+    let job = Job {
+        view,
+        settings,
+        sampler_kind,
+        options,
+        needs_surface,
+    };
+    film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
+        for y in tile.y()..tile.y() + tile.height() {
+            for x in tile.x()..tile.x() + tile.width() {
+                let count = match counts {
+                    Some(counts) => counts[y as usize * width as usize + x as usize],
+                    None => per_pixel,
+                };
+                job.sample_pixel(&mut tile, x, y, count);
+            }
+        }
+    });
+}
+
+/// What all tiles of a pass have in common.
+struct Job<'a, T: Traverse> {
+    view: &'a SceneView<'a, T>,
+    settings: &'a IntegratorSettings,
+    sampler_kind: u32,
+    options: &'a RenderOptions,
+    needs_surface: bool,
+}
+
+impl<T: Traverse> Job<'_, T> {
+    /// Adds the next `count` samples of a pixel.
+    fn sample_pixel(&self, tile: &mut FilmTile<'_>, x: u32, y: u32, count: u32) {
+        let camera = &self.view.tables.camera;
+        let absolute = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
+        let index = absolute[1].wrapping_mul(camera.film_size[0]).wrapping_add(absolute[0]);
+        let mut pixel = tile.pixel_mut(x, y);
+        for _ in 0..count {
+            let sample = self.options.first_sample.wrapping_add(pixel.statistics.count);
+            let sampler = || AnySampler::new(self.sampler_kind, self.options.seed, index, sample);
+            let radiance =
+                transport::sample_pixel(self.view, self.settings, &mut sampler(), absolute);
+            pixel.add_sample(radiance);
+            if self.needs_surface {
+                let (features, _) = aov::sample_pixel(self.view, &mut sampler(), absolute);
+                pixel.add_aovs(&AovSample {
+                    albedo: features.albedo.to_array(),
+                    normal: features.normal.to_array(),
+                    depth: features.depth,
+                    position: features.position.to_array(),
+                    uv: features.uv.to_array(),
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The owned tables of a scene, and what they amount to.
+
+use halflight_kernel::scene::{
+    Camera, Emitter, FrameMap, Instance, LobeRecord, Material, Quadric, SceneInfo, Shape, Tables,
+    Texture, Triangle, WeightFactor,
+};
+use std::ops::Range;
+
+/// Primitives that are placed together: the world (group 0) or a shape group.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GroupRange {
+    /// Indices into the triangles.
+    pub triangles: Range<u32>,
+    /// Indices into the quadrics.
+    pub quadrics: Range<u32>,
+}
+
+/// Everything that a rendering reads, as flat vectors of the kernel's records.
+#[derive(Clone, Debug)]
+pub struct SceneTables {
+    /// See [`Tables::positions`].
+    pub positions: Vec<[f32; 3]>,
+    /// See [`Tables::normals`].
+    pub normals: Vec<[f32; 3]>,
+    /// See [`Tables::uvs`].
+    pub uvs: Vec<[f32; 2]>,
+    /// See [`Tables::triangles`].
+    pub triangles: Vec<Triangle>,
+    /// See [`Tables::quadrics`].
+    pub quadrics: Vec<Quadric>,
+    /// See [`Tables::shapes`].
+    pub shapes: Vec<Shape>,
+    /// See [`Tables::instances`].
+    pub instances: Vec<Instance>,
+    /// See [`Tables::materials`].
+    pub materials: Vec<Material>,
+    /// See [`Tables::lobes`].
+    pub lobes: Vec<LobeRecord>,
+    /// See [`Tables::factors`].
+    pub factors: Vec<WeightFactor>,
+    /// See [`Tables::frame_maps`].
+    pub frame_maps: Vec<FrameMap>,
+    /// See [`Tables::textures`].
+    pub textures: Vec<Texture>,
+    /// See [`Tables::texels`].
+    pub texels: Vec<u32>,
+    /// See [`Tables::data`].
+    pub data: Vec<f32>,
+    /// See [`Tables::emitters`].
+    pub emitters: Vec<Emitter>,
+    /// See [`Tables::camera`].
+    pub camera: Camera,
+    /// See [`Tables::info`].
+    pub info: SceneInfo,
+    /// Ranges of the groups that instances place.
+    pub groups: Vec<GroupRange>,
+}
+
+impl SceneTables {
+    /// The tables, borrowed for the kernel.
+    pub fn view(&self) -> Tables<'_> {
+        Tables {
+            positions: &self.positions,
+            normals: &self.normals,
+            uvs: &self.uvs,
+            triangles: &self.triangles,
+            quadrics: &self.quadrics,
+            shapes: &self.shapes,
+            instances: &self.instances,
+            materials: &self.materials,
+            lobes: &self.lobes,
+            factors: &self.factors,
+            frame_maps: &self.frame_maps,
+            textures: &self.textures,
+            texels: &self.texels,
+            data: &self.data,
+            emitters: &self.emitters,
+            camera: self.camera,
+            info: self.info,
+        }
+    }
+
+    /// Bytes held by the tables.
+    pub fn memory_bytes(&self) -> usize {
+        fn bytes<T>(v: &[T]) -> usize {
+            std::mem::size_of_val(v)
+        }
+        bytes(&self.positions)
+            + bytes(&self.normals)
+            + bytes(&self.uvs)
+            + bytes(&self.triangles)
+            + bytes(&self.quadrics)
+            + bytes(&self.shapes)
+            + bytes(&self.instances)
+            + bytes(&self.materials)
+            + bytes(&self.lobes)
+            + bytes(&self.factors)
+            + bytes(&self.frame_maps)
+            + bytes(&self.textures)
+            + bytes(&self.texels)
+            + bytes(&self.data)
+            + bytes(&self.emitters)
+    }
+}

@@ -1,0 +1,161 @@
+//! From the object tree of a scene file to the kernel's tables.
+//!
+//! One pass over the tree: each plugin of each kind has one function here that reads its properties, fills records and
+//! says in an error or a warning what it cannot do. Objects that several others refer to are built once.
+
+mod emitter;
+mod integrator;
+mod material;
+mod selection;
+mod sensor;
+mod shape;
+mod texture;
+
+use crate::accel::GroupRange;
+use crate::scene::error::{SceneError, Warning};
+use crate::scene::tables::SceneTables;
+use crate::scene::xml::{Object, ObjectKind, ParsedScene};
+use halflight_kernel::scene::{Camera, NONE, SceneInfo};
+use halflight_kernel::transport::IntegratorSettings;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+pub use sensor::{Crop, FilmOverride};
+
+/// What the command line changes about a scene.
+#[derive(Clone, Debug, Default)]
+pub struct BuildOptions {
+    /// Size and crop of the film.
+    pub film: FilmOverride,
+    /// Integrator instead of the scene's.
+    pub integrator: Option<String>,
+    /// Sampler instead of the scene's.
+    pub sampler: Option<String>,
+    /// Which of several sensors, counted from 0 in the order of the file.
+    pub sensor: usize,
+}
+
+/// A scene that is ready to be rendered.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// All records.
+    pub tables: SceneTables,
+    /// Which algorithm, with its parameters.
+    pub settings: IntegratorSettings,
+    /// Its plugin name.
+    pub integrator: String,
+    /// One of [`halflight_kernel::sampler::sampler_kind`].
+    pub sampler: u32,
+    /// Samples per pixel that the scene asks for.
+    pub spp: u32,
+    /// Seed that the scene asks for.
+    pub seed: u32,
+    /// What was read but could not be used as written.
+    pub warnings: Vec<Warning>,
+    /// Plugins by kind and name, with how often each occurs.
+    pub plugins: Vec<(String, usize)>,
+}
+
+/// Builds the tables of a parsed scene.
+///
+/// # Errors
+/// The first thing that makes the scene unusable: a missing file, a wrong type, a degenerate transform, no sensor. When
+/// the scene was parsed strictly, also the first thing that would otherwise be a warning.
+pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene, SceneError> {
+    let root = &parsed.root;
+    root.touch();
+    let sensor = sensor::build(root, options)?;
+    let (settings, integrator) = integrator::build(root, options)?;
+    let mut builder = Builder::new(sensor.camera);
+    sensor::fill_filter_table(&mut builder.tables);
+    builder.add_shapes(root)?;
+    builder.add_emitters(root)?;
+    builder.finish(root)?;
+    parsed.warn_unused()?;
+    Ok(Scene {
+        tables: builder.tables,
+        settings,
+        integrator,
+        sampler: sensor.sampler,
+        spp: sensor.spp,
+        seed: sensor.seed,
+        warnings: parsed.warnings(),
+        plugins: count_plugins(root),
+    })
+}
+
+/// State while the tables grow.
+struct Builder {
+    tables: SceneTables,
+    /// Materials by object index.
+    materials: HashMap<usize, u32>,
+    /// The material of shapes that name none: plain, and of emitters.
+    default_materials: [Option<u32>; 2],
+    /// Textures by object index.
+    textures: HashMap<usize, u32>,
+    /// Bitmaps by file and whether they are raw: first word, width, height, format.
+    bitmaps: HashMap<(PathBuf, bool), [u32; 4]>,
+    /// Shape groups by object index.
+    groups: HashMap<usize, u32>,
+}
+
+impl Builder {
+    fn new(camera: Camera) -> Builder {
+        let data = (0..256)
+            .map(|i| crate::scene::color::srgb_to_linear(i as f32 / 255.0))
+            .collect();
+        Builder {
+            tables: SceneTables {
+                positions: Vec::new(),
+                normals: Vec::new(),
+                uvs: Vec::new(),
+                triangles: Vec::new(),
+                quadrics: Vec::new(),
+                shapes: Vec::new(),
+                instances: Vec::new(),
+                materials: Vec::new(),
+                lobes: Vec::new(),
+                factors: Vec::new(),
+                frame_maps: Vec::new(),
+                textures: Vec::new(),
+                texels: Vec::new(),
+                data,
+                emitters: Vec::new(),
+                camera,
+                info: SceneInfo {
+                    center: [0.0; 3],
+                    radius: 1.0,
+                    environment: NONE,
+                    srgb_table: 0,
+                    flags: 0,
+                },
+                groups: vec![GroupRange::default()],
+            },
+            materials: HashMap::new(),
+            default_materials: [None; 2],
+            textures: HashMap::new(),
+            bitmaps: HashMap::new(),
+            groups: HashMap::new(),
+        }
+    }
+}
+
+/// Plugins below `root` in alphabetical order; an object that is referred to several times counts once.
+fn count_plugins(root: &Object) -> Vec<(String, usize)> {
+    let mut seen = std::collections::HashSet::new();
+    let mut counts = std::collections::BTreeMap::new();
+    let mut stack: Vec<Arc<Object>> = root.children().map(|c| c.object.clone()).collect();
+    while let Some(object) = stack.pop() {
+        if !seen.insert(object.index) {
+            continue;
+        }
+        if object.kind != ObjectKind::Spectrum {
+            *counts
+                .entry(format!("{} {}", object.kind, object.plugin))
+                .or_insert(0) += 1;
+        }
+        stack.extend(object.children().map(|c| c.object.clone()));
+    }
+    counts.into_iter().collect()
+}

@@ -1,0 +1,93 @@
+//! The last step: bounds of the scene and the probabilities of choosing each emitter.
+
+use super::Builder;
+use crate::scene::error::SceneError;
+use crate::scene::xml::Object;
+use glam::Vec3;
+use halflight_kernel::scene::camera::transform_point;
+use halflight_kernel::scene::{emitter, quadric_kind};
+
+/// Part of the selection that is spread evenly, so that an emitter whose power is misjudged is still found.
+const UNIFORM_PART: f32 = 0.25;
+
+impl Builder {
+    /// Fills in what depends on the scene as a whole.
+    pub(super) fn finish(&mut self, root: &Object) -> Result<(), SceneError> {
+        self.bound();
+        self.select_emitters();
+        if self.tables.emitters.is_empty() {
+            root.warn("the scene has no emitter; the image will be black")?;
+        }
+        Ok(())
+    }
+
+    /// The bounding sphere of everything, instances included.
+    fn bound(&mut self) {
+        let mut low = Vec3::splat(f32::MAX);
+        let mut high = Vec3::splat(-f32::MAX);
+        for instance in &self.tables.instances {
+            let group = &self.tables.groups[instance.group as usize];
+            let mut add = |p: Vec3| {
+                let p = transform_point(&instance.to_world, p);
+                low = low.min(p);
+                high = high.max(p);
+            };
+            for t in group.triangles.clone() {
+                for vertex in self.tables.triangles[t as usize].vertices {
+                    add(Vec3::from_array(self.tables.positions[vertex as usize]));
+                }
+            }
+            for q in group.quadrics.clone() {
+                let quadric = &self.tables.quadrics[q as usize];
+                let z = match quadric.kind {
+                    quadric_kind::SPHERE => [-1.0, 1.0],
+                    quadric_kind::CYLINDER => [0.0, 1.0],
+                    _ => [0.0, 0.0],
+                };
+                for corner in 0..8 {
+                    let pick = |bit: u32| corner >> bit & 1 == 1;
+                    add(transform_point(
+                        &quadric.to_world,
+                        Vec3::new(
+                            if pick(0) { 1.0 } else { -1.0 },
+                            if pick(1) { 1.0 } else { -1.0 },
+                            z[usize::from(pick(2))],
+                        ),
+                    ));
+                }
+            }
+        }
+        if low.x <= high.x {
+            self.tables.info.center = ((low + high) * 0.5).to_array();
+            self.tables.info.radius = ((high - low).length() * 0.5).max(f32::MIN_POSITIVE);
+        }
+    }
+
+    /// Selection by power, mixed with an even share.
+    fn select_emitters(&mut self) {
+        let count = self.tables.emitters.len();
+        let powers: Vec<f64> = (0..count)
+            .map(|i| {
+                let power = f64::from(emitter::power(&self.tables.view(), i as u32));
+                if power.is_finite() && power > 0.0 { power } else { 0.0 }
+            })
+            .collect();
+        let total: f64 = powers.iter().sum();
+        let mut sum = 0.0;
+        for (emitter, power) in self.tables.emitters.iter_mut().zip(powers) {
+            let even = 1.0 / count as f64;
+            let share = if total > 0.0 {
+                let uniform = f64::from(UNIFORM_PART);
+                uniform * even + (1.0 - uniform) * power / total
+            } else {
+                even
+            };
+            sum += share;
+            emitter.selection_pdf = share as f32;
+            emitter.selection_cdf = sum as f32;
+        }
+        if let Some(last) = self.tables.emitters.last_mut() {
+            last.selection_cdf = 1.0;
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! Sensors, films, reconstruction filters and samplers.
+
+use super::BuildOptions;
+use crate::scene::error::SceneError;
+use crate::scene::tables::SceneTables;
+use crate::scene::transform;
+use crate::scene::xml::{Object, ObjectKind};
+use halflight_kernel::math::filter;
+use halflight_kernel::sampler::sampler_kind;
+use halflight_kernel::scene::camera::{fov_axis, half_extents};
+use halflight_kernel::scene::{Camera, camera_kind, filter_kind};
+use std::sync::Arc;
+
+/// Longest side of an image.
+const MAX_SIDE: i64 = 65_536;
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// First pixel.
+    pub offset: [u32; 2],
+    /// Width and height.
+    pub size: [u32; 2],
+}
+
+/// What the command line changes about the film.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FilmOverride {
+    /// Width and height.
+    pub size: Option<[u32; 2]>,
+    /// Width; the height follows in proportion.
+    pub width: Option<u32>,
+    /// Part of the film to render.
+    pub crop: Option<Crop>,
+}
+
+/// The sensor with what hangs on it.
+pub(super) struct Sensor {
+    pub camera: Camera,
+    pub sampler: u32,
+    pub spp: u32,
+    pub seed: u32,
+}
+
+/// Builds the chosen sensor.
+pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, SceneError> {
+    let sensors: Vec<Arc<Object>> = root
+        .children_of(ObjectKind::Sensor)
+        .map(|child| child.object.clone())
+        .collect();
+    if sensors.is_empty() {
+        return Err(root.error("the scene has no sensor"));
+    }
+    let sensor = sensors.get(options.sensor).ok_or_else(|| {
+        SceneError::Request(format!(
+            "there is no sensor {}; the scene has {}",
+            options.sensor,
+            sensors.len()
+        ))
+    })?;
+    let film = Film::read(sensor, &options.film)?;
+    let to_world = sensor.get_transform("to_world")?;
+    let (rows, inverse) = transform::rows_and_inverse(&to_world)
+        .map_err(|e| sensor.property_error("to_world", e.to_string()))?;
+    let kind = match sensor.plugin.as_str() {
+        "perspective" => camera_kind::PERSPECTIVE,
+        "thinlens" => camera_kind::THIN_LENS,
+        "orthographic" => camera_kind::ORTHOGRAPHIC,
+        other => {
+            return Err(sensor.error(format!(
+                "sensors of type \"{other}\" are not supported; known are perspective, thinlens and orthographic"
+            )));
+        }
+    };
+    let [width, height] = film.size;
+    let (tan_half_width, tan_half_height) = if kind == camera_kind::ORTHOGRAPHIC {
+        (1.0, height as f32 / width as f32)
+    } else {
+        field_of_view(sensor, width, height)?
+    };
+    let near = sensor.get_float("near_clip", 1e-2)?;
+    let far = sensor.get_float("far_clip", 1e4)?;
+    if near < 0.0 || far <= near {
+        return Err(sensor.error("needs 0 <= near_clip < far_clip"));
+    }
+    let (filter, filter_parameters) = film.filter;
+    let camera = Camera {
+        kind,
+        to_world: rows,
+        to_camera: inverse,
+        film_size: film.size,
+        crop_offset: film.crop.offset,
+        crop_size: film.crop.size,
+        tan_half_width,
+        tan_half_height,
+        principal_point_offset: [
+            sensor.get_float("principal_point_offset_x", 0.0)? as f32,
+            sensor.get_float("principal_point_offset_y", 0.0)? as f32,
+        ],
+        aperture_radius: aperture(sensor, kind)?,
+        focus_distance: sensor.get_float_in("focus_distance", far, 1e-12, f64::from(f32::MAX))? as f32,
+        clip: [near as f32, far as f32],
+        filter,
+        filter_parameters,
+        filter_table: 0,
+        filter_table_size: 0,
+    };
+    let (sampler, spp, seed) = read_sampler(sensor, options)?;
+    Ok(Sensor {
+        camera,
+        sampler,
+        spp,
+        seed,
+    })
+}
+
+/// Puts the filter's cumulative table into `data`.
+pub(super) fn fill_filter_table(tables: &mut SceneTables) {
+    let first = tables.data.len();
+    let size = filter::TABLE_SIZE;
+    tables
+        .data
+        .resize(first + filter::table_words(size) as usize, 0.0);
+    filter::fill_table(
+        tables.camera.filter,
+        tables.camera.filter_parameters,
+        &mut tables.data[first..],
+    );
+    tables.camera.filter_table = first as u32;
+    tables.camera.filter_table_size = size;
+}
+
+fn aperture(sensor: &Object, kind: u32) -> Result<f32, SceneError> {
+    if kind != camera_kind::THIN_LENS {
+        return Ok(0.0);
+    }
+    let radius = sensor.get_float("aperture_radius", 0.0)?;
+    if radius < 0.0 {
+        return Err(sensor.property_error("aperture_radius", "cannot be negative"));
+    }
+    Ok(radius as f32)
+}
+
+/// Tangents of half the field of view from `fov` and `fov_axis`, or from the focal length on 35 mm film.
+fn field_of_view(sensor: &Object, width: u32, height: u32) -> Result<(f32, f32), SceneError> {
+    if let Some(fov) = sensor.opt_float("fov")? {
+        if !(fov > 0.0 && fov < 180.0) {
+            return Err(sensor.property_error("fov", "must be between 0 and 180 degrees"));
+        }
+        let axis = match sensor.get_string("fov_axis", "x")? {
+            "x" => fov_axis::X,
+            "y" => fov_axis::Y,
+            "diagonal" => fov_axis::DIAGONAL,
+            "smaller" => fov_axis::SMALLER,
+            "larger" => fov_axis::LARGER,
+            other => {
+                return Err(sensor.property_error(
+                    "fov_axis",
+                    format!("\"{other}\" is none of x, y, diagonal, smaller, larger"),
+                ));
+            }
+        };
+        return Ok(half_extents(fov as f32, axis, width, height));
+    }
+    // Diagonal of a 36 x 24 mm frame.
+    const DIAGONAL_MM: f64 = 43.266_615_305_567_87;
+    let text = sensor.get_string("focal_length", "50mm")?;
+    let millimetres: f64 = text
+        .trim()
+        .trim_end_matches("mm")
+        .trim()
+        .parse()
+        .ok()
+        .filter(|f: &f64| f.is_finite() && *f > 0.0)
+        .ok_or_else(|| sensor.property_error("focal_length", format!("\"{text}\" is no length in mm")))?;
+    let fov = 2.0 * (0.5 * DIAGONAL_MM / millimetres).atan().to_degrees();
+    Ok(half_extents(fov as f32, fov_axis::DIAGONAL, width, height))
+}
+
+fn read_sampler(sensor: &Object, options: &BuildOptions) -> Result<(u32, u32, u32), SceneError> {
+    let object = sensor.single_child_of(ObjectKind::Sampler)?;
+    let (mut spp, mut seed, mut plugin) = (4, 0, "independent".to_string());
+    if let Some(object) = object {
+        object.touch();
+        spp = object.get_int_in("sample_count", 4, 1, i64::from(u32::MAX))? as u32;
+        seed = object.get_int_in("seed", 0, 0, i64::from(u32::MAX))? as u32;
+        plugin = object.plugin.clone();
+        // Parameters of Mitsuba's samplers that ours do not need.
+        for name in ["jitter", "dimension", "scramble"] {
+            object.get(name);
+        }
+    }
+    if let Some(name) = &options.sampler {
+        plugin.clone_from(name);
+    }
+    let kind = match plugin.as_str() {
+        "independent" => sampler_kind::INDEPENDENT,
+        // Every stratified or low-discrepancy sampler is served by the best that we have.
+        "sobol" | "ldsampler" | "multijitter" | "stratified" | "orthogonal" | "halton" | "hammersley" => {
+            sampler_kind::SOBOL
+        }
+        other if options.sampler.is_some() => {
+            return Err(SceneError::Request(format!(
+                "there is no sampler \"{other}\"; known are independent and sobol"
+            )));
+        }
+        other => {
+            if let Some(object) = object {
+                object.warn(format!(
+                    "the sampler \"{other}\" is not supported; \"sobol\" is used instead"
+                ))?;
+            }
+            sampler_kind::SOBOL
+        }
+    };
+    Ok((kind, spp, seed))
+}
+
+/// Size, crop and filter of the film.
+struct Film {
+    size: [u32; 2],
+    crop: Crop,
+    filter: (u32, [f32; 3]),
+}
+
+impl Film {
+    fn read(sensor: &Object, change: &FilmOverride) -> Result<Film, SceneError> {
+        let object = sensor.single_child_of(ObjectKind::Film)?;
+        let mut size = [768, 576];
+        let mut crop = None;
+        let mut filter = gaussian(0.5);
+        if let Some(object) = object {
+            object.touch();
+            let side = |name, default| object.get_int_in(name, default, 1, MAX_SIDE);
+            size = [side("width", 768)? as u32, side("height", 576)? as u32];
+            if object.has("crop_width") || object.has("crop_height") || object.has("crop_offset_x") || object.has("crop_offset_y")
+            {
+                let offset = [
+                    object.get_int_in("crop_offset_x", 0, 0, i64::from(size[0]) - 1)? as u32,
+                    object.get_int_in("crop_offset_y", 0, 0, i64::from(size[1]) - 1)? as u32,
+                ];
+                crop = Some(Crop {
+                    offset,
+                    size: [
+                        object.get_int_in("crop_width", (size[0] - offset[0]).into(), 1, MAX_SIDE)? as u32,
+                        object.get_int_in("crop_height", (size[1] - offset[1]).into(), 1, MAX_SIDE)? as u32,
+                    ],
+                });
+            }
+            if !matches!(object.plugin.as_str(), "hdrfilm" | "ldrfilm" | "mfilm" | "tiledhdrfilm") {
+                object.warn(format!(
+                    "films of type \"{}\" are not supported; \"hdrfilm\" is used instead",
+                    object.plugin
+                ))?;
+            }
+            // Always written as 32-bit OpenEXR beside a PNG, whatever the file asks for.
+            for name in [
+                "pixel_format", "component_format", "file_format", "banner", "attach_log", "gamma",
+                "exposure", "tonemap_method", "sample_border", "compensate", "high_quality_edges", "metadata",
+            ] {
+                object.get(name);
+            }
+            if let Some(rfilter) = object.single_child_of(ObjectKind::RFilter)? {
+                filter = read_filter(rfilter)?;
+            }
+        }
+        let before = size;
+        if let Some(new) = change.size {
+            size = new;
+        } else if let Some(width) = change.width {
+            let height = f64::from(size[1]) * f64::from(width) / f64::from(size[0]);
+            size = [width, (height.round() as u32).max(1)];
+        }
+        if size.iter().any(|&s| s == 0 || i64::from(s) > MAX_SIDE) {
+            return Err(SceneError::Request(format!(
+                "an image of {} x {} pixels cannot be rendered; sides are 1 to {MAX_SIDE}",
+                size[0], size[1]
+            )));
+        }
+        let crop = match (change.crop, crop) {
+            (Some(crop), _) => crop,
+            (None, Some(crop)) => scale_crop(crop, before, size),
+            (None, None) => Crop {
+                offset: [0, 0],
+                size,
+            },
+        };
+        for axis in 0..2 {
+            let end = u64::from(crop.offset[axis]) + u64::from(crop.size[axis]);
+            if crop.size[axis] == 0 || end > u64::from(size[axis]) {
+                return Err(SceneError::Request(format!(
+                    "the crop {},{},{},{} is not inside the image of {} x {} pixels",
+                    crop.offset[0], crop.offset[1], crop.size[0], crop.size[1], size[0], size[1]
+                )));
+            }
+        }
+        Ok(Film { size, crop, filter })
+    }
+}
+
+/// The same part of a film of another size.
+fn scale_crop(crop: Crop, from: [u32; 2], to: [u32; 2]) -> Crop {
+    let mut scaled = crop;
+    for axis in 0..2 {
+        let scale = |x: u32| (u64::from(x) * u64::from(to[axis]) / u64::from(from[axis])) as u32;
+        scaled.offset[axis] = scale(crop.offset[axis]);
+        scaled.size[axis] = (scale(crop.offset[axis] + crop.size[axis]) - scaled.offset[axis]).max(1);
+    }
+    scaled
+}
+
+fn gaussian(stddev: f32) -> (u32, [f32; 3]) {
+    (filter_kind::GAUSSIAN, [4.0 * stddev, stddev, 0.0])
+}
+
+fn read_filter(object: &Object) -> Result<(u32, [f32; 3]), SceneError> {
+    let positive = |name: &str, default: f64| -> Result<f32, SceneError> {
+        Ok(object.get_float_in(name, default, 1e-3, 64.0)? as f32)
+    };
+    Ok(match object.plugin.as_str() {
+        "box" => (filter_kind::BOX, [positive("radius", 0.5)?, 0.0, 0.0]),
+        "tent" => (filter_kind::TENT, [positive("radius", 1.0)?, 0.0, 0.0]),
+        "gaussian" => gaussian(positive("stddev", 0.5)?),
+        "mitchell" => {
+            let third = 1.0 / 3.0;
+            let b = if object.has("b") { "b" } else { "B" };
+            let c = if object.has("c") { "c" } else { "C" };
+            (
+                filter_kind::MITCHELL,
+                [
+                    2.0,
+                    object.get_float(b, third)? as f32,
+                    object.get_float(c, third)? as f32,
+                ],
+            )
+        }
+        "catmullrom" => (filter_kind::CATMULL_ROM, [2.0, 0.0, 0.0]),
+        "lanczos" => (
+            filter_kind::LANCZOS,
+            [object.get_int_in("lobes", 3, 1, 32)? as f32, 0.0, 0.0],
+        ),
+        other => {
+            object.warn(format!(
+                "the reconstruction filter \"{other}\" is not supported; \"gaussian\" is used instead"
+            ))?;
+            gaussian(0.5)
+        }
+    })
+}

@@ -1,0 +1,300 @@
+//! Shapes: meshes and analytic surfaces into the geometry tables, groups and their instances.
+
+mod analytic;
+mod load;
+
+use super::Builder;
+use super::texture::MeshAttributes;
+use crate::accel::GroupRange;
+use crate::mesh::Mesh;
+use crate::scene::error::SceneError;
+use crate::scene::transform;
+use crate::scene::xml::{Object, ObjectKind};
+use glam::{DMat3, DMat4, DVec3};
+use halflight_kernel::scene::{
+    Instance, NONE, Quadric, Shape, Triangle, emitter_kind, material_flag, scene_flag, shape_flag,
+};
+use std::sync::Arc;
+
+/// Deeper nesting of groups is a mistake.
+const MAX_GROUP_DEPTH: usize = 8;
+
+impl Builder {
+    /// All shapes below the scene, then the groups that their instances place.
+    pub(super) fn add_shapes(&mut self, root: &Object) -> Result<(), SceneError> {
+        let mut placed = Vec::new();
+        for child in root.children_of(ObjectKind::Shape) {
+            self.add_shape(child.object, true, 0, &mut placed)?;
+        }
+        self.tables.groups[0] = GroupRange {
+            triangles: 0..self.tables.triangles.len() as u32,
+            quadrics: 0..self.tables.quadrics.len() as u32,
+        };
+        self.tables.instances.push(instance(DMat4::IDENTITY, 0, root)?);
+        for (object, group_object) in placed {
+            let group = self.group(&group_object)?;
+            let to_world = object.get_transform("to_world")?;
+            self.tables.instances.push(instance(to_world, group, &object)?);
+        }
+        if self
+            .tables
+            .materials
+            .iter()
+            .any(|m| m.flags & material_flag::HAS_NULL != 0)
+        {
+            self.tables.info.flags |= scene_flag::HAS_NULL;
+        }
+        Ok(())
+    }
+
+    /// The index of a shape group, built at its first instance.
+    fn group(&mut self, object: &Arc<Object>) -> Result<u32, SceneError> {
+        if let Some(&index) = self.groups.get(&object.index) {
+            return Ok(index);
+        }
+        object.touch();
+        let first = (
+            self.tables.triangles.len() as u32,
+            self.tables.quadrics.len() as u32,
+        );
+        let mut nested = Vec::new();
+        for child in object.children_of(ObjectKind::Shape) {
+            self.add_shape(child.object, false, 1, &mut nested)?;
+        }
+        if !nested.is_empty() {
+            return Err(object.error("instances cannot be nested in a shape group"));
+        }
+        let index = self.tables.groups.len() as u32;
+        self.tables.groups.push(GroupRange {
+            triangles: first.0..self.tables.triangles.len() as u32,
+            quadrics: first.1..self.tables.quadrics.len() as u32,
+        });
+        self.groups.insert(object.index, index);
+        Ok(index)
+    }
+
+    fn add_shape(
+        &mut self,
+        object: &Arc<Object>,
+        in_world: bool,
+        depth: usize,
+        placed: &mut Vec<(Arc<Object>, Arc<Object>)>,
+    ) -> Result<(), SceneError> {
+        if depth > MAX_GROUP_DEPTH {
+            return Err(object.error("shapes are nested too deeply"));
+        }
+        match object.plugin.as_str() {
+            // Built where it is placed.
+            "shapegroup" => object.touch(),
+            "instance" => {
+                let group = object
+                    .single_child_of(ObjectKind::Shape)?
+                    .filter(|child| child.plugin == "shapegroup")
+                    .ok_or_else(|| object.error("needs a reference to a shape group"))?
+                    .clone();
+                placed.push((object.clone(), group));
+            }
+            "merge" => {
+                object.touch();
+                for child in object.children_of(ObjectKind::Shape) {
+                    self.add_shape(child.object, in_world, depth + 1, placed)?;
+                }
+            }
+            "obj" | "ply" | "serialized" => {
+                let to_world = object.get_transform("to_world")?;
+                if let Some(mesh) = load::mesh(object)? {
+                    self.add_mesh(object, mesh, to_world, in_world)?;
+                }
+            }
+            "rectangle" | "cube" => {
+                let to_world = object.get_transform("to_world")?;
+                let mesh = if object.plugin == "cube" {
+                    analytic::cube(to_world)
+                } else {
+                    analytic::rectangle(to_world)
+                };
+                self.add_mesh(object, mesh, to_world, in_world)?;
+            }
+            "sphere" | "disk" | "cylinder" => {
+                let (kind, to_world) = analytic::quadric(object)?;
+                self.add_quadric(object, kind, to_world, in_world)?;
+            }
+            other => object.warn(format!(
+                "shapes of type \"{other}\" are not supported; it is left out"
+            ))?,
+        }
+        Ok(())
+    }
+
+    /// Appends a mesh under a transform.
+    fn add_mesh(
+        &mut self,
+        object: &Arc<Object>,
+        mesh: Mesh,
+        to_world: DMat4,
+        in_world: bool,
+    ) -> Result<(), SceneError> {
+        let overflow = || object.error("the scene has more vertices or triangles than 32-bit indices reach");
+        let tables = &mut self.tables;
+        let first_vertex = u32::try_from(tables.positions.len()).map_err(|_| overflow())?;
+        let first_triangle = u32::try_from(tables.triangles.len()).map_err(|_| overflow())?;
+        u32::try_from(tables.positions.len() + mesh.positions.len()).map_err(|_| overflow())?;
+        u32::try_from(tables.triangles.len() + mesh.triangles.len()).map_err(|_| overflow())?;
+
+        for p in &mesh.positions {
+            let p = to_world.transform_point3(DVec3::new(p[0].into(), p[1].into(), p[2].into()));
+            let p = p.as_vec3();
+            if !p.is_finite() {
+                return Err(object.error("to_world moves a vertex beyond the range of numbers"));
+            }
+            tables.positions.push(p.to_array());
+        }
+        let mut normal_offset = NONE;
+        if !mesh.normals.is_empty() {
+            normal_offset = (tables.normals.len() as u32).wrapping_sub(first_vertex);
+            let normal_to_world = transform::inverse(&to_world)
+                .map(|inverse| DMat3::from_mat4(inverse).transpose())
+                .map_err(|e| object.property_error("to_world", e.to_string()))?;
+            for n in &mesh.normals {
+                let n = normal_to_world * DVec3::new(n[0].into(), n[1].into(), n[2].into());
+                tables.normals.push(n.normalize_or_zero().as_vec3().to_array());
+            }
+        }
+        let mut uv_offset = NONE;
+        if !mesh.uvs.is_empty() {
+            uv_offset = (tables.uvs.len() as u32).wrapping_sub(first_vertex);
+            tables.uvs.extend_from_slice(&mesh.uvs);
+        }
+        let shape = tables.shapes.len() as u32;
+        tables
+            .triangles
+            .extend(mesh.triangles.iter().map(|t| Triangle {
+                vertices: t.map(|i| i + first_vertex),
+                shape,
+            }));
+
+        let mut attributes = MeshAttributes {
+            first_vertex,
+            first_triangle,
+            ..MeshAttributes::default()
+        };
+        for (list, into) in [
+            (&mesh.vertex_attributes, &mut attributes.vertex),
+            (&mesh.face_attributes, &mut attributes.face),
+        ] {
+            for attribute in list {
+                let word = u32::try_from(tables.data.len()).map_err(|_| overflow())?;
+                tables.data.extend_from_slice(&attribute.values);
+                into.push((attribute.name.clone(), word, attribute.channels));
+            }
+        }
+        let mut flags = self.shape_flags(object)?;
+        if object.get_bool("face_normals", false)? {
+            flags |= shape_flag::FACE_NORMALS;
+        }
+        self.push_shape(
+            object,
+            Shape {
+                material: 0,
+                emitter: NONE,
+                flags,
+                normal_offset,
+                uv_offset,
+                first_vertex,
+                first_primitive: first_triangle,
+                primitive_count: mesh.triangles.len() as u32,
+            },
+            Some(&attributes),
+            in_world,
+        )
+    }
+
+    fn add_quadric(
+        &mut self,
+        object: &Arc<Object>,
+        kind: u32,
+        to_world: DMat4,
+        in_world: bool,
+    ) -> Result<(), SceneError> {
+        let (to_world, to_object) =
+            transform::rows_and_inverse(&to_world).map_err(|e| object.property_error("to_world", e.to_string()))?;
+        let quadric = self.tables.quadrics.len() as u32;
+        self.tables.quadrics.push(Quadric {
+            to_world,
+            to_object,
+            kind,
+            shape: self.tables.shapes.len() as u32,
+        });
+        let flags = self.shape_flags(object)?;
+        self.push_shape(
+            object,
+            Shape {
+                material: 0,
+                emitter: NONE,
+                flags,
+                normal_offset: NONE,
+                uv_offset: NONE,
+                first_vertex: 0,
+                first_primitive: quadric,
+                primitive_count: 1,
+            },
+            None,
+            in_world,
+        )
+    }
+
+    fn shape_flags(&self, object: &Object) -> Result<u32, SceneError> {
+        Ok(if object.get_bool("flip_normals", false)? {
+            shape_flag::FLIP_NORMALS
+        } else {
+            0
+        })
+    }
+
+    /// Adds the record with its material and its emission.
+    fn push_shape(
+        &mut self,
+        object: &Arc<Object>,
+        mut shape: Shape,
+        attributes: Option<&MeshAttributes>,
+        in_world: bool,
+    ) -> Result<(), SceneError> {
+        let bsdf = object.single_child_of(ObjectKind::Bsdf)?.cloned();
+        let emission = object.single_child_of(ObjectKind::Emitter)?.cloned();
+        shape.material = self.material(bsdf.as_ref(), emission.is_some(), attributes)?;
+        let index = self.tables.shapes.len() as u32;
+        if let Some(emission) = emission {
+            if emission.plugin != "area" {
+                return Err(emission.error("only an \"area\" emitter can be part of a shape"));
+            }
+            if in_world {
+                shape.emitter = self.tables.emitters.len() as u32;
+            } else {
+                emission.warn("shapes in a group cannot emit light; the emitter is left out")?;
+            }
+            self.tables.shapes.push(shape);
+            if in_world {
+                self.add_area_emitter(&emission, index, attributes)?;
+                debug_assert_eq!(
+                    self.tables.emitters[shape.emitter as usize].kind,
+                    emitter_kind::AREA
+                );
+            }
+        } else {
+            self.tables.shapes.push(shape);
+        }
+        Ok(())
+    }
+}
+
+/// An instance record of a group.
+fn instance(to_world: DMat4, group: u32, object: &Object) -> Result<Instance, SceneError> {
+    let (to_world, to_object) = transform::rows_and_inverse(&to_world)
+        .map_err(|e| object.property_error("to_world", e.to_string()))?;
+    Ok(Instance {
+        to_world,
+        to_object,
+        root: 0,
+        group,
+    })
+}

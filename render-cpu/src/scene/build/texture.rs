@@ -1,0 +1,300 @@
+//! Textures and the parameters that take them.
+
+use super::Builder;
+use crate::image_io::{Bitmap, Texels, load_bitmap};
+use crate::scene::color::ColorUse;
+use crate::scene::error::SceneError;
+use crate::scene::xml::{ColorSource, FloatSource, Object, ObjectKind};
+use glam::DMat4;
+use halflight_kernel::scene::{
+    NONE, RgbParameter, ScalarParameter, Texture, filter_mode, texel_format, texture_kind, wrap_mode,
+};
+use std::sync::Arc;
+
+/// The attributes of the mesh that a material is built for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MeshAttributes {
+    /// Name, first word in `data`, channels.
+    pub vertex: Vec<(String, u32, u32)>,
+    /// Name, first word in `data`, channels.
+    pub face: Vec<(String, u32, u32)>,
+    pub first_vertex: u32,
+    pub first_triangle: u32,
+}
+
+const IDENTITY_UV: [f32; 6] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+
+impl Builder {
+    /// A colour property that may be a texture.
+    pub(super) fn rgb_parameter(
+        &mut self,
+        object: &Object,
+        name: &str,
+        usage: ColorUse,
+        default: [f32; 3],
+        mesh: Option<&MeshAttributes>,
+    ) -> Result<RgbParameter, SceneError> {
+        match object.get_rgb_or_texture(name, usage, default)? {
+            ColorSource::Constant(value) => {
+                let mut value = value;
+                if usage == ColorUse::Reflectance {
+                    if value.iter().any(|&v| v > 1.0) && name != "eta" && name != "k" {
+                        object.warn(format!(
+                            "\"{name}\" is above 1, which creates energy; it is clamped to 1"
+                        ))?;
+                        value = value.map(|v| v.min(1.0));
+                    }
+                    if value.iter().any(|&v| v < 0.0) {
+                        object.warn(format!("\"{name}\" is negative; it is clamped to 0"))?;
+                        value = value.map(|v| v.max(0.0));
+                    }
+                }
+                Ok(RgbParameter::constant(value))
+            }
+            ColorSource::Texture(texture) => Ok(RgbParameter::textured(self.texture(&texture, mesh)?)),
+        }
+    }
+
+    /// A number property that may be a texture.
+    pub(super) fn scalar_parameter(
+        &mut self,
+        object: &Object,
+        name: &str,
+        default: f64,
+        mesh: Option<&MeshAttributes>,
+    ) -> Result<ScalarParameter, SceneError> {
+        match object.get_float_or_texture(name, default)? {
+            FloatSource::Constant(value) => Ok(ScalarParameter::constant(value as f32)),
+            FloatSource::Texture(texture) => Ok(ScalarParameter {
+                value: 1.0,
+                texture: self.texture(&texture, mesh)?,
+            }),
+        }
+    }
+
+    /// The index of a texture, built at its first use. Mesh attributes are looked up anew for every mesh.
+    pub(super) fn texture(
+        &mut self,
+        object: &Arc<Object>,
+        mesh: Option<&MeshAttributes>,
+    ) -> Result<u32, SceneError> {
+        if let Some(&index) = self.textures.get(&object.index) {
+            return Ok(index);
+        }
+        let (texture, shared) = self.build_texture(object, mesh)?;
+        let index = self.tables.textures.len() as u32;
+        self.tables.textures.push(texture);
+        if shared {
+            self.textures.insert(object.index, index);
+        }
+        Ok(index)
+    }
+
+    /// The record, and whether other meshes may share it.
+    fn build_texture(
+        &mut self,
+        object: &Arc<Object>,
+        mesh: Option<&MeshAttributes>,
+    ) -> Result<(Texture, bool), SceneError> {
+        let mut texture = Texture {
+            kind: texture_kind::CHECKERBOARD,
+            data: [0; 6],
+            to_uv: uv_transform(object)?,
+            color0: RgbParameter::constant([0.4; 3]),
+            color1: RgbParameter::constant([0.2; 3]),
+        };
+        let mut shared = true;
+        match object.plugin.as_str() {
+            "bitmap" => {
+                let raw = object.get_bool("raw", false)?;
+                // Mitsuba 0.6: a gamma of 1 says that the values are linear.
+                let raw = raw || object.opt_float("gamma")?.is_some_and(|gamma| gamma == 1.0);
+                let path = object.require_file("filename")?;
+                let [first, width, height, format] = self.bitmap(object, &path, raw)?;
+                texture.kind = texture_kind::BITMAP;
+                texture.data = [
+                    first,
+                    width,
+                    height,
+                    format,
+                    filter(object)?,
+                    wrap(object)?,
+                ];
+                texture.color0 = RgbParameter::constant([1.0; 3]);
+            }
+            "checkerboard" => {
+                texture.color0 =
+                    self.rgb_parameter(object, "color0", ColorUse::Reflectance, [0.4; 3], mesh)?;
+                texture.color1 =
+                    self.rgb_parameter(object, "color1", ColorUse::Reflectance, [0.2; 3], mesh)?;
+            }
+            "mesh_attribute" => {
+                let name = object.require_string("name")?;
+                let scale = object.get_float("scale", 1.0)? as f32;
+                texture.color0 = RgbParameter::constant([scale; 3]);
+                texture.to_uv = IDENTITY_UV;
+                shared = false;
+                let found = mesh.and_then(|mesh| {
+                    let find = |list: &[(String, u32, u32)]| {
+                        list.iter().find(|entry| entry.0 == name).cloned()
+                    };
+                    find(&mesh.vertex)
+                        .map(|(_, word, channels)| {
+                            (texture_kind::VERTEX_ATTRIBUTE, word, channels, mesh.first_vertex)
+                        })
+                        .or_else(|| {
+                            find(&mesh.face).map(|(_, word, channels)| {
+                                (texture_kind::FACE_ATTRIBUTE, word, channels, mesh.first_triangle)
+                            })
+                        })
+                });
+                match found {
+                    Some((kind, word, channels, first)) => {
+                        texture.kind = kind;
+                        texture.data = [word, channels, first, 0, 0, 0];
+                    }
+                    None => {
+                        object.warn(format!(
+                            "the shape has no attribute \"{name}\"; zero is used instead"
+                        ))?;
+                        return Ok((constant_texture([0.0; 3]), false));
+                    }
+                }
+            }
+            "scale" => {
+                let factor = self.rgb_parameter(object, "scale", ColorUse::Emission, [1.0; 3], mesh)?;
+                let nested = object
+                    .single_child_of(ObjectKind::Texture)?
+                    .ok_or_else(|| object.error("\"scale\" needs a nested texture"))?;
+                texture.kind = texture_kind::SCALE;
+                texture.to_uv = IDENTITY_UV;
+                texture.color0 = RgbParameter {
+                    value: factor.value,
+                    texture: self.texture(nested, mesh)?,
+                };
+            }
+            other => {
+                object.warn(format!(
+                    "textures of type \"{other}\" are not supported; a reflectance of 0.5 is used instead"
+                ))?;
+                texture = constant_texture([0.5; 3]);
+            }
+        }
+        Ok((texture, shared))
+    }
+
+    /// Texels of a file: first word, width, height and format.
+    pub(super) fn bitmap(
+        &mut self,
+        object: &Object,
+        path: &std::path::Path,
+        raw: bool,
+    ) -> Result<[u32; 4], SceneError> {
+        let key = (path.to_path_buf(), raw);
+        if let Some(&known) = self.bitmaps.get(&key) {
+            return Ok(known);
+        }
+        let bitmap =
+            load_bitmap(path, raw).map_err(|e| object.property_error("filename", e.to_string()))?;
+        let entry = self.push_bitmap(object, bitmap)?;
+        self.bitmaps.insert(key, entry);
+        Ok(entry)
+    }
+
+    fn push_bitmap(&mut self, object: &Object, bitmap: Bitmap) -> Result<[u32; 4], SceneError> {
+        let first = u32::try_from(self.tables.texels.len())
+            .map_err(|_| object.error("all textures together exceed 16 GiB"))?;
+        let format = match &bitmap.texels {
+            Texels::Rgba8 { data, srgb } => {
+                self.tables.texels.extend(
+                    data.chunks_exact(4)
+                        .map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]])),
+                );
+                if *srgb {
+                    texel_format::RGBA8_SRGB
+                } else {
+                    texel_format::RGBA8_LINEAR
+                }
+            }
+            Texels::Rgb32F(data) => {
+                self.tables.texels.extend(data.iter().map(|value| value.to_bits()));
+                texel_format::RGB32F
+            }
+        };
+        Ok([first, bitmap.width, bitmap.height, format])
+    }
+}
+
+/// A texture of one colour: both fields of a checkerboard.
+fn constant_texture(value: [f32; 3]) -> Texture {
+    Texture {
+        kind: texture_kind::CHECKERBOARD,
+        data: [0; 6],
+        to_uv: IDENTITY_UV,
+        color0: RgbParameter::constant(value),
+        color1: RgbParameter::constant(value),
+    }
+}
+
+/// The affine map of texture coordinates: `to_uv`, or the scales and offsets of Mitsuba 0.6.
+fn uv_transform(object: &Object) -> Result<[f32; 6], SceneError> {
+    let m: DMat4 = object.get_transform("to_uv")?;
+    let column = |c: usize| m.col(c);
+    let mut to_uv = [
+        column(0).x,
+        column(1).x,
+        column(3).x,
+        column(0).y,
+        column(1).y,
+        column(3).y,
+    ];
+    let both = object.get_float("uvscale", 1.0)?;
+    let scale = [object.get_float("uscale", both)?, object.get_float("vscale", both)?];
+    let offset = [object.get_float("uoffset", 0.0)?, object.get_float("voffset", 0.0)?];
+    for row in 0..2 {
+        for i in 0..3 {
+            to_uv[3 * row + i] *= scale[row];
+        }
+        to_uv[3 * row + 2] += offset[row];
+    }
+    Ok(to_uv.map(|x| x as f32))
+}
+
+fn filter(object: &Object) -> Result<u32, SceneError> {
+    Ok(match object.get_string("filter_type", "bilinear")? {
+        "nearest" => filter_mode::NEAREST,
+        // Mitsuba 0.6 has mip maps; without ray differentials their finest level is this.
+        "bilinear" | "trilinear" | "ewa" => filter_mode::BILINEAR,
+        other => {
+            return Err(object.property_error(
+                "filter_type",
+                format!("\"{other}\" is neither \"bilinear\" nor \"nearest\""),
+            ));
+        }
+    })
+}
+
+fn wrap(object: &Object) -> Result<u32, SceneError> {
+    Ok(match object.get_string("wrap_mode", "repeat")? {
+        "repeat" => wrap_mode::REPEAT,
+        "mirror" => wrap_mode::MIRROR,
+        "clamp" => wrap_mode::CLAMP,
+        "zero" => wrap_mode::ZERO,
+        "one" => wrap_mode::ONE,
+        other => {
+            return Err(object.property_error(
+                "wrap_mode",
+                format!("\"{other}\" is none of repeat, mirror, clamp, zero, one"),
+            ));
+        }
+    })
+}
+
+/// A parameter without a texture; used where the kernel takes only constants.
+pub(super) fn expect_constant(object: &Object, name: &str, parameter: RgbParameter) -> Result<[f32; 3], SceneError> {
+    if parameter.texture == NONE {
+        Ok(parameter.value)
+    } else {
+        Err(object.property_error(name, "cannot be a texture here"))
+    }
+}

@@ -1,4 +1,7 @@
 //! The subcommands of `halflight`, one per file.
 
 pub mod compare;
+pub mod info;
 pub mod merge;
+pub mod render;
+pub mod scene_args;

@@ -1,0 +1,432 @@
+//! `halflight render`: a scene file to an EXR and a PNG.
+
+use super::scene_args::{SceneArgs, build_accel};
+use crate::aov::{Aov, AovSet};
+use crate::checkpoint::{Progress, Settings, load_checkpoint, save_checkpoint};
+use crate::exr_output::{LayeredImage, write_exr};
+use crate::film::Film;
+use crate::image_metadata::{ImageMetadata, SampleRange};
+use crate::png_output::{Exposure, write_png};
+use crate::progress::ProgressReport;
+use crate::render::{Goal, Observer, Outcome, RenderOptions, RunState, render};
+use crate::scene::build::Scene;
+use clap::Args;
+use halflight_kernel::sampler::sampler_kind;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Seconds between two checkpoints.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
+
+/// Exit code of a run that was interrupted, as shells report SIGINT.
+const EXIT_INTERRUPTED: u8 = 130;
+
+/// Render a scene.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Image to write; a PNG of the same name goes beside it. Default: the scene's name with .exr, in the working
+    /// directory.
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub output: Option<PathBuf>,
+    /// Samples per pixel. Default: what the scene asks for.
+    #[arg(long, value_name = "N", conflicts_with_all = ["time", "samples"], value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Time to render for, as in 90s, 10m or 1h30m.
+    #[arg(long, value_name = "TIME", value_parser = parse_duration)]
+    pub time: Option<Duration>,
+    /// Samples FROM (included) to TO (excluded) of every pixel, so that several machines share one image; see merge.
+    #[arg(long, value_name = "FROM..TO", value_parser = parse_range, conflicts_with_all = ["time", "adaptive"])]
+    pub samples: Option<(u32, u32)>,
+    /// Seed of the random numbers. Default: the scene's, or 0.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u32>,
+    /// Number of threads. Default: one per processor. The image does not depend on it.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Spend samples where the error is.
+    #[arg(long)]
+    pub adaptive: bool,
+    /// Layers to write beside the image: albedo, normal, depth, position, uv, variance, samples.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_aov)]
+    pub aov: Vec<Aov>,
+    /// Save the state of the run here every half minute and when it is interrupted.
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Go on from a checkpoint; it is also saved there, unless --checkpoint names another file.
+    #[arg(long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
+    /// Write a tone-mapped PNG beside the EXR (the default).
+    #[arg(long, overrides_with = "no_png")]
+    pub png: bool,
+    /// Write no PNG.
+    #[arg(long)]
+    pub no_png: bool,
+    /// Exposure of the PNG in stops, or "auto".
+    #[arg(long, value_name = "EV", default_value = "0", value_parser = parse_exposure, allow_hyphen_values = true)]
+    pub exposure: Exposure,
+    /// Write colours as 16-bit floats.
+    #[arg(long)]
+    pub half: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What keeps the image from being made or written, in one sentence.
+pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    let output = args.output_path()?;
+    if let Some(threads) = args.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()?;
+    }
+    let start = Instant::now();
+    let scene = args.scene.load()?;
+    let accel = build_accel(&scene);
+    tracing::info!(
+        "{}: {} triangles, {} emitters, ready in {:.2} s",
+        args.scene.scene.display(),
+        scene.tables.triangles.len(),
+        scene.tables.emitters.len(),
+        start.elapsed().as_secs_f64()
+    );
+
+    let mut aovs = AovSet::NONE.with(Aov::Samples);
+    for &aov in &args.aov {
+        aovs = aovs.with(aov);
+    }
+    let options = args.options(&scene);
+    let settings = args.settings(&scene, &options, aovs)?;
+    let (mut film, mut state) = match &args.resume {
+        Some(path) => {
+            let (progress, film) = load_checkpoint(path, &settings)?;
+            let state = RunState {
+                passes: progress.passes,
+                samples: progress.next_sample,
+                seconds: progress.render_seconds,
+            };
+            tracing::info!("resumed after {} samples per pixel", state.samples);
+            (film, state)
+        }
+        None => {
+            let camera = &scene.tables.camera;
+            let [width, height] = camera.crop_size;
+            (
+                Film::new(width, height, camera.crop_offset, aovs)?,
+                RunState::default(),
+            )
+        }
+    };
+
+    let stop = Arc::new(AtomicBool::new(false));
+    install_handler(&stop);
+    let checkpoint = args.checkpoint.clone().or_else(|| args.resume.clone());
+    let mut observer = RunObserver {
+        report: ProgressReport::new(options.goal, state, quiet),
+        checkpoint: checkpoint.map(|path| Checkpoint {
+            path,
+            settings,
+            saved: Instant::now(),
+            passes: state.passes,
+        }),
+    };
+    let outcome = render(&scene, &accel, &options, &mut film, &mut state, &stop, &mut observer);
+    observer.report.finish();
+    // Whatever ended the run, what was rendered is kept.
+    if let Some(checkpoint) = &mut observer.checkpoint
+        && !matches!(outcome, Ok(Outcome::Finished))
+    {
+        checkpoint.save(&state, &film)?;
+    }
+    let outcome = outcome?;
+    if film.total_rejected() > 0 {
+        tracing::warn!(
+            "{} of {} samples were not finite and count as black",
+            film.total_rejected(),
+            film.total_samples()
+        );
+    }
+    args.write(&output, &scene, &film, &options, &state)?;
+    match outcome {
+        Outcome::Finished => {
+            if let Some(checkpoint) = &mut observer.checkpoint {
+                checkpoint.save(&state, &film)?;
+            }
+            Ok(ExitCode::SUCCESS)
+        }
+        Outcome::Interrupted => {
+            tracing::warn!(
+                "interrupted after {} samples per pixel; {} holds what there is",
+                state.samples,
+                output.display()
+            );
+            Ok(ExitCode::from(EXIT_INTERRUPTED))
+        }
+    }
+}
+
+impl RenderArgs {
+    /// Where the image goes; found out before rendering, so that a bad name costs nothing.
+    fn output_path(&self) -> Result<PathBuf, String> {
+        let output = match &self.output {
+            Some(path) => path.clone(),
+            None => {
+                let stem = self
+                    .scene
+                    .scene
+                    .file_stem()
+                    .ok_or_else(|| format!("{} names no file", self.scene.scene.display()))?;
+                PathBuf::from(stem).with_extension("exr")
+            }
+        };
+        if output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
+            return Err(format!("{}: the image is an OpenEXR file; its name ends in .exr", output.display()));
+        }
+        let folder = match output.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(format!("{}: there is no folder {}", output.display(), folder.display()));
+        }
+        Ok(output)
+    }
+
+    fn options(&self, scene: &Scene) -> RenderOptions {
+        let (first_sample, count) = match self.samples {
+            Some((from, to)) => (from, to - from),
+            None => (0, self.spp.unwrap_or(scene.spp)),
+        };
+        RenderOptions {
+            goal: match self.time {
+                Some(time) => Goal::Time(time),
+                None => Goal::Samples(count),
+            },
+            seed: self.seed.unwrap_or(scene.seed),
+            first_sample,
+            adaptive: self.adaptive,
+        }
+    }
+
+    /// Everything that decides the numbers of the image; a checkpoint of other settings is refused.
+    fn settings(
+        &self,
+        scene: &Scene,
+        options: &RenderOptions,
+        aovs: AovSet,
+    ) -> Result<Settings, Box<dyn Error + Send + Sync>> {
+        let camera = &scene.tables.camera;
+        let mut settings = Settings::new();
+        let mut set = |name: &str, value: String| settings.insert(name.to_string(), value);
+        set("version", env!("CARGO_PKG_VERSION").to_string());
+        set("scene", self.scene.scene.display().to_string());
+        set("tables", format!("{:016x}", scene.tables.fingerprint()));
+        set("integrator", format!("{:?}", scene.settings));
+        set("sampler", sampler_name(scene.sampler).to_string());
+        set("seed", options.seed.to_string());
+        set("first sample", options.first_sample.to_string());
+        set("adaptive", options.adaptive.to_string());
+        set("size", format!("{}x{}", camera.film_size[0], camera.film_size[1]));
+        set(
+            "crop",
+            format!(
+                "{},{},{},{}",
+                camera.crop_offset[0], camera.crop_offset[1], camera.crop_size[0], camera.crop_size[1]
+            ),
+        );
+        set(
+            "layers",
+            aovs.iter().map(Aov::name).collect::<Vec<_>>().join(","),
+        );
+        Ok(settings)
+    }
+
+    fn write(
+        &self,
+        output: &Path,
+        scene: &Scene,
+        film: &Film,
+        options: &RenderOptions,
+        state: &RunState,
+    ) -> Result<(), Box<dyn Error + Send + Sync>> {
+        let most = film.statistics().iter().map(|p| p.count).max().unwrap_or(0);
+        let metadata = ImageMetadata {
+            scene: self
+                .scene
+                .scene
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            integrator: scene.integrator.clone(),
+            sampler: sampler_name(scene.sampler).to_string(),
+            software: concat!("halflight ", env!("CARGO_PKG_VERSION")).to_string(),
+            spp: film.total_samples() as f64 / film.statistics().len() as f64,
+            sample_ranges: vec![SampleRange {
+                seed: options.seed.into(),
+                from: options.first_sample,
+                to: options.first_sample + most,
+            }],
+            render_seconds: state.seconds,
+        };
+        let image = LayeredImage::from_film(film, scene.tables.camera.film_size, metadata);
+        write_exr(output, &image, self.half)?;
+        tracing::info!("wrote {}", output.display());
+        if !self.no_png {
+            let png = output.with_extension("png");
+            write_png(&png, film.width(), film.height(), &film.mean(), self.exposure)?;
+            tracing::info!("wrote {}", png.display());
+        }
+        Ok(())
+    }
+}
+
+/// Name of a sampler in metadata.
+pub fn sampler_name(kind: u32) -> &'static str {
+    if kind == sampler_kind::SOBOL {
+        "sobol"
+    } else {
+        "independent"
+    }
+}
+
+/// Reports progress and saves checkpoints between passes.
+struct RunObserver {
+    report: ProgressReport,
+    checkpoint: Option<Checkpoint>,
+}
+
+struct Checkpoint {
+    path: PathBuf,
+    settings: Settings,
+    saved: Instant,
+    passes: u32,
+}
+
+impl Checkpoint {
+    fn save(&mut self, state: &RunState, film: &Film) -> Result<(), Box<dyn Error + Send + Sync>> {
+        if self.passes == state.passes {
+            return Ok(());
+        }
+        let progress = Progress {
+            settings: self.settings.clone(),
+            passes: state.passes,
+            next_sample: state.samples,
+            render_seconds: state.seconds,
+        };
+        save_checkpoint(&self.path, &progress, film)?;
+        self.saved = Instant::now();
+        self.passes = state.passes;
+        Ok(())
+    }
+}
+
+impl Observer for RunObserver {
+    fn after_pass(&mut self, state: &RunState, film: &Film) -> Result<(), Box<dyn Error + Send + Sync>> {
+        self.report.update(state, film);
+        if let Some(checkpoint) = &mut self.checkpoint
+            && checkpoint.saved.elapsed() >= CHECKPOINT_INTERVAL
+            && let Err(error) = checkpoint.save(state, film)
+        {
+            // A full disk now may be free again at the end; the film in memory is not given up for it.
+            tracing::warn!("no checkpoint was saved: {error}");
+            checkpoint.saved = Instant::now();
+        }
+        Ok(())
+    }
+}
+
+/// Ctrl-C asks for the end once and ends the program the second time.
+fn install_handler(stop: &Arc<AtomicBool>) {
+    let stop = stop.clone();
+    let installed = ctrlc::set_handler(move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            std::process::exit(EXIT_INTERRUPTED.into());
+        }
+    });
+    if let Err(error) = installed {
+        tracing::debug!("Ctrl-C ends the program at once: {error}");
+    }
+}
+
+fn parse_aov(text: &str) -> Result<Aov, String> {
+    text.trim().parse().map_err(|e: crate::aov::UnknownAov| e.to_string())
+}
+
+fn parse_range(text: &str) -> Result<(u32, u32), String> {
+    let form = || "expected FROM..TO with FROM < TO".to_string();
+    let (from, to) = text.split_once("..").ok_or_else(form)?;
+    let from: u32 = from.trim().parse().map_err(|_| form())?;
+    let to: u32 = to.trim().parse().map_err(|_| form())?;
+    if from < to { Ok((from, to)) } else { Err(form()) }
+}
+
+fn parse_exposure(text: &str) -> Result<Exposure, String> {
+    if text == "auto" {
+        return Ok(Exposure::Automatic);
+    }
+    text.parse()
+        .ok()
+        .filter(|ev: &f32| ev.abs() <= 64.0)
+        .map(Exposure::Stops)
+        .ok_or_else(|| "expected a number of stops or \"auto\"".to_string())
+}
+
+/// Hours, minutes and seconds: "1h30m", "90s", "45".
+fn parse_duration(text: &str) -> Result<Duration, String> {
+    let form = || "expected a time such as 90s, 10m or 1h30m".to_string();
+    let mut seconds = 0.0;
+    let mut number = String::new();
+    for c in text.trim().chars() {
+        let unit = match c {
+            '0'..='9' | '.' => {
+                number.push(c);
+                continue;
+            }
+            'h' => 3600.0,
+            'm' => 60.0,
+            's' => 1.0,
+            _ => return Err(form()),
+        };
+        seconds += number.parse::<f64>().map_err(|_| form())? * unit;
+        number.clear();
+    }
+    if !number.is_empty() {
+        seconds += number.parse::<f64>().map_err(|_| form())?;
+    }
+    if seconds > 0.0 && seconds < 1e9 {
+        Ok(Duration::from_secs_f64(seconds))
+    } else {
+        Err(form())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read() {
+        assert_eq!(parse_duration("90s"), Ok(Duration::from_secs(90)));
+        assert_eq!(parse_duration("1h30m"), Ok(Duration::from_secs(5400)));
+        assert_eq!(parse_duration("2.5"), Ok(Duration::from_millis(2500)));
+        for bad in ["", "s", "10x", "-3s", "1..5s", "nan", "0s"] {
+            assert!(parse_duration(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sample_ranges_are_read() {
+        assert_eq!(parse_range("16..48"), Ok((16, 48)));
+        for bad in ["5..5", "9..3", "1-4", "..", "a..b"] {
+            assert!(parse_range(bad).is_err(), "{bad}");
+        }
+    }
+}

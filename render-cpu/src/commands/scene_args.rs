@@ -1,0 +1,101 @@
+//! Arguments of every command that loads a scene.
+
+use crate::accel::Accel;
+use crate::scene::build::{BuildOptions, Crop, FilmOverride, Scene, build_scene};
+use crate::scene::error::SceneError;
+use crate::scene::xml::parse_scene;
+use clap::Args;
+use std::path::PathBuf;
+
+/// A scene file and what the command line changes about it.
+#[derive(Args, Clone, Debug)]
+pub struct SceneArgs {
+    /// Mitsuba scene file (XML of version 0.6, 2 or 3).
+    pub scene: PathBuf,
+    /// Value of a `$name` in the scene file.
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
+    pub defines: Vec<(String, String)>,
+    /// Size of the image in pixels.
+    #[arg(long, value_name = "WxH", value_parser = parse_size, conflicts_with = "width")]
+    pub size: Option<[u32; 2]>,
+    /// Width of the image in pixels; the height follows in proportion.
+    #[arg(long, value_name = "W")]
+    pub width: Option<u32>,
+    /// Part of the image to render, in pixels of the whole image.
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
+    pub crop: Option<Crop>,
+    /// Algorithm instead of the scene's: path, direct or ao.
+    #[arg(long, value_name = "NAME")]
+    pub integrator: Option<String>,
+    /// Random numbers instead of the scene's: independent or sobol.
+    #[arg(long, value_name = "NAME")]
+    pub sampler: Option<String>,
+    /// Which of several sensors, from 0.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub sensor: usize,
+    /// Stop at the first thing that would otherwise be a warning.
+    #[arg(long)]
+    pub strict: bool,
+}
+
+impl SceneArgs {
+    /// Reads the scene and builds its tables.
+    ///
+    /// # Errors
+    /// What is wrong with the scene or the arguments.
+    pub fn load(&self) -> Result<Scene, SceneError> {
+        let parsed = parse_scene(&self.scene, &self.defines, self.strict)?;
+        build_scene(
+            &parsed,
+            &BuildOptions {
+                film: FilmOverride {
+                    size: self.size,
+                    width: self.width,
+                    crop: self.crop,
+                },
+                integrator: self.integrator.clone(),
+                sampler: self.sampler.clone(),
+                sensor: self.sensor,
+            },
+        )
+    }
+}
+
+/// The ray tracer over a scene.
+pub fn build_accel(scene: &Scene) -> Accel {
+    Accel::build(scene.tables.view(), &scene.tables.groups)
+}
+
+fn parse_define(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_string(), value.to_string())),
+        _ => Err("expected NAME=VALUE".to_string()),
+    }
+}
+
+fn parse_numbers<const N: usize>(text: &str, separator: &[char], form: &str) -> Result<[u32; N], String> {
+    let mut numbers = [0; N];
+    let mut parts = text.split(separator);
+    for number in &mut numbers {
+        *number = parts
+            .next()
+            .and_then(|part| part.trim().parse().ok())
+            .ok_or_else(|| format!("expected {form}"))?;
+    }
+    match parts.next() {
+        None => Ok(numbers),
+        Some(_) => Err(format!("expected {form}")),
+    }
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    parse_numbers(text, &['x', 'X'], "WIDTHxHEIGHT")
+}
+
+fn parse_crop(text: &str) -> Result<Crop, String> {
+    let [x, y, w, h] = parse_numbers(text, &[','], "X,Y,WIDTH,HEIGHT")?;
+    Ok(Crop {
+        offset: [x, y],
+        size: [w, h],
+    })
+}

@@ -4,8 +4,10 @@
 //! sRGB, [`ior`] knows indices of refraction by name, [`transform`] prepares matrices. Everything that can go wrong
 //! on the way is a [`error::SceneError`] with file, line and element.
 
+pub mod build;
 pub mod color;
 pub mod error;
 pub mod ior;
+pub mod tables;
 pub mod transform;
 pub mod xml;

@@ -1,19 +1,10 @@
 //! The owned tables of a scene, and what they amount to.
 
+use crate::accel::GroupRange;
 use halflight_kernel::scene::{
     Camera, Emitter, FrameMap, Instance, LobeRecord, Material, Quadric, SceneInfo, Shape, Tables,
     Texture, Triangle, WeightFactor,
 };
-use std::ops::Range;
-
-/// Primitives that are placed together: the world (group 0) or a shape group.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct GroupRange {
-    /// Indices into the triangles.
-    pub triangles: Range<u32>,
-    /// Indices into the quadrics.
-    pub quadrics: Range<u32>,
-}
 
 /// Everything that a rendering reads, as flat vectors of the kernel's records.
 #[derive(Clone, Debug)]
@@ -100,5 +91,44 @@ impl SceneTables {
             + bytes(&self.texels)
             + bytes(&self.data)
             + bytes(&self.emitters)
+    }
+
+    /// A number that differs for different scenes: FNV-1a over the words of all tables. A checkpoint keeps it.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = Fingerprint(0xcbf2_9ce4_8422_2325);
+        hash.add(&self.positions);
+        hash.add(&self.normals);
+        hash.add(&self.uvs);
+        hash.add(&self.triangles);
+        hash.add(&self.quadrics);
+        hash.add(&self.shapes);
+        hash.add(&self.instances);
+        hash.add(&self.materials);
+        hash.add(&self.lobes);
+        hash.add(&self.factors);
+        hash.add(&self.frame_maps);
+        hash.add(&self.textures);
+        hash.add(&self.texels);
+        hash.add(&self.data);
+        hash.add(&self.emitters);
+        hash.add(&[self.camera]);
+        hash.add(&[self.info]);
+        hash.0
+    }
+}
+
+struct Fingerprint(u64);
+
+impl Fingerprint {
+    fn add<T: bytemuck::NoUninit>(&mut self, table: &[T]) {
+        self.word(table.len() as u32);
+        // Every record is made of 32-bit words.
+        for word in bytemuck::cast_slice::<u8, [u8; 4]>(bytemuck::cast_slice(table)) {
+            self.word(u32::from_le_bytes(*word));
+        }
+    }
+
+    fn word(&mut self, word: u32) {
+        self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
     }
 }

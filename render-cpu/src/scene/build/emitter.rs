@@ -47,16 +47,22 @@ impl Builder {
         object: &Arc<Object>,
         shape: u32,
         mesh: Option<&MeshAttributes>,
+        is_quadric: bool,
     ) -> Result<(), SceneError> {
         object.touch();
         object.get("sampling_weight");
         let mut record = empty(emitter_kind::AREA);
         record.radiance = self.rgb_parameter(object, "radiance", ColorUse::Emission, [1.0; 3], mesh)?;
         record.shape = shape;
-        let count = self.tables.shapes[shape as usize].primitive_count as usize;
+        let owner = self.tables.shapes[shape as usize];
         record.distribution = self.tables.data.len() as u32;
-        let mut areas = vec![0.0; count];
-        record.area = emitter::fill_shape_areas(&self.tables.view(), shape, &mut areas);
+        let mut areas = Vec::new();
+        record.area = if is_quadric {
+            emitter::quadric_area(&self.tables.quadrics[owner.first_primitive as usize])
+        } else {
+            areas.resize(owner.primitive_count as usize, 0.0);
+            emitter::fill_mesh_areas(&self.tables.view(), shape, &mut areas)
+        };
         if !(record.area > 0.0) {
             object.warn("the emitting shape has no area; it gives no light")?;
         }

@@ -12,7 +12,9 @@ use crate::scene::ior;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::bsdf::MAX_LOBES;
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
-use halflight_kernel::bsdf::rough_plastic::{ROUGH_TRANSMITTANCE_SIZE, fill_rough_transmittance};
+use halflight_kernel::bsdf::rough_plastic::{
+    TRANSMITTANCE_ENTRIES, fill_rough_transmittance, rough_internal_reflectance,
+};
 use halflight_kernel::scene::{
     FrameMap, LobeRecord, Material, NONE, RgbParameter, ScalarParameter, WeightFactor, distribution,
     frame_map_kind, lobe_flag, lobe_kind, material_flag,
@@ -34,6 +36,11 @@ struct PendingLobe {
     record: LobeRecord,
     factors: Vec<WeightFactor>,
 }
+
+/// What dielectrics are made of when nothing is said.
+const BK7: &str = "bk7";
+/// What plastics are made of when nothing is said.
+const POLYPROPYLENE: &str = "polypropylene";
 
 /// Deeper nesting is a mistake or an attack.
 const MAX_DEPTH: usize = 32;
@@ -258,7 +265,7 @@ impl Builder {
             "dielectric" | "thindielectric" | "roughdielectric" => {
                 lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
                 lobe.specular_transmittance = color(self, "specular_transmittance", 1.0)?;
-                let eta = relative_index(object, "bk7")?;
+                let eta = relative_index(object, BK7)?;
                 lobe.eta = RgbParameter::constant([eta; 3]);
                 lobe.kind = match object.plugin.as_str() {
                     "dielectric" => lobe_kind::DIELECTRIC,
@@ -273,7 +280,7 @@ impl Builder {
                 lobe.kind = lobe_kind::PLASTIC;
                 lobe.reflectance = color(self, "diffuse_reflectance", 0.5)?;
                 lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
-                let eta = relative_index(object, "polypropylene")?;
+                let eta = relative_index(object, POLYPROPYLENE)?;
                 lobe.eta = RgbParameter::constant([eta; 3]);
                 lobe.internal_reflectance = fresnel_diffuse_reflectance(1.0 / eta);
                 if object.get_bool("nonlinear", false)? {
@@ -286,9 +293,11 @@ impl Builder {
                         return Err(object.property_error("alpha", "cannot be a texture in roughplastic"));
                     }
                     lobe.table = self.tables.data.len() as u32;
-                    let mut table = [0.0; ROUGH_TRANSMITTANCE_SIZE];
+                    let mut table = [0.0; TRANSMITTANCE_ENTRIES];
                     fill_rough_transmittance(lobe.distribution, lobe.alpha_u.value, eta, &mut table);
                     self.tables.data.extend_from_slice(&table);
+                    lobe.internal_reflectance =
+                        rough_internal_reflectance(lobe.distribution, lobe.alpha_u.value, eta);
                 }
             }
             "null" => lobe.kind = lobe_kind::NULL,
@@ -302,36 +311,23 @@ impl Builder {
         Ok(lobe)
     }
 
-    /// `material`, or `eta` and `k`.
+    /// `material`, or `eta` and `k`, which may be textures.
     fn conductor_index(
         &mut self,
         object: &Object,
         mesh: Option<&MeshAttributes>,
         lobe: &mut LobeRecord,
     ) -> Result<(), SceneError> {
-        if let Some(name) = object.opt_string("material")? {
-            let (eta, k) =
-                ior::conductor(name).map_err(|message| object.property_error("material", message))?;
-            lobe.eta = RgbParameter::constant(eta);
-            lobe.k = RgbParameter::constant(k);
+        if object.texture("eta").is_some() || object.texture("k").is_some() {
+            lobe.eta = self.rgb_parameter(object, "eta", ColorUse::Unbounded, [0.0; 3], mesh)?;
+            lobe.k = self.rgb_parameter(object, "k", ColorUse::Unbounded, [1.0; 3], mesh)?;
             return Ok(());
         }
-        if object.has("eta") || object.has("k") {
-            lobe.eta = self.rgb_parameter(object, "eta", ColorUse::Index, [0.0; 3], mesh)?;
-            lobe.k = self.rgb_parameter(object, "k", ColorUse::Index, [1.0; 3], mesh)?;
-            let outside = index_of(object, "ext_eta", "air")?;
-            if object.has("ext_eta") {
-                for c in 0..3 {
-                    lobe.eta.value[c] /= outside;
-                    lobe.k.value[c] /= outside;
-                }
-            }
-            return Ok(());
-        }
-        let (eta, k) = ior::conductor(if object.is_legacy() { "Cu" } else { "none" })
-            .map_err(|message| object.error(message))?;
-        lobe.eta = RgbParameter::constant(eta);
-        lobe.k = RgbParameter::constant(k);
+        let conductor = ior::get_conductor(object)?;
+        // Mitsuba 0.6 gives the index relative to vacuum and the surroundings apart.
+        let outside = ior::get_dielectric(object, "ext_eta", 1.0)? as f32;
+        lobe.eta = RgbParameter::constant(conductor.eta.map(|eta| eta / outside));
+        lobe.k = RgbParameter::constant(conductor.k.map(|k| k / outside));
         Ok(())
     }
 
@@ -389,31 +385,15 @@ fn check_alpha(object: &Object, name: &str, parameter: &mut ScalarParameter) -> 
 /// Interior over exterior index of refraction.
 fn relative_index(object: &Object, interior: &str) -> Result<f32, SceneError> {
     if let Some(eta) = object.opt_float("eta")? {
+        if eta <= 0.0 {
+            return Err(object.property_error("eta", "an index of refraction must be positive"));
+        }
         return Ok(eta as f32);
     }
-    let inside = index_of(object, "int_ior", interior)?;
-    let outside = index_of(object, "ext_ior", "air")?;
-    if inside <= 0.0 || outside <= 0.0 {
-        return Err(object.error("an index of refraction must be positive"));
-    }
-    Ok(inside / outside)
-}
-
-/// An index of refraction by number or by the material's name.
-fn index_of(object: &Object, name: &str, default: &str) -> Result<f32, SceneError> {
-    if let Some(property) = object.get(name)
-        && let crate::scene::xml::Value::String(material) = &property.value
-    {
-        return ior::dielectric(material)
-            .map(|value| value as f32)
-            .map_err(|message| object.property_error(name, message));
-    }
-    match object.opt_float(name)? {
-        Some(value) => Ok(value as f32),
-        None => ior::dielectric(default)
-            .map(|value| value as f32)
-            .map_err(|message| object.error(message)),
-    }
+    let named = |name: &str| ior::dielectric(name).unwrap_or(1.0);
+    let inside = ior::get_dielectric(object, "int_ior", named(interior))?;
+    let outside = ior::get_dielectric(object, "ext_ior", named("air"))?;
+    Ok((inside / outside) as f32)
 }
 
 /// The nested BSDFs of a wrapper, between `least` and `most` of them.

@@ -14,6 +14,7 @@ mod texture;
 use crate::accel::GroupRange;
 use crate::scene::error::{SceneError, Warning};
 use crate::scene::tables::SceneTables;
+use crate::scene::xml::unused::warn_unused;
 use crate::scene::xml::{Object, ObjectKind, ParsedScene};
 use halflight_kernel::scene::{Camera, NONE, SceneInfo};
 use halflight_kernel::transport::IntegratorSettings;
@@ -72,7 +73,7 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     builder.add_shapes(root)?;
     builder.add_emitters(root)?;
     builder.finish(root)?;
-    parsed.warn_unused()?;
+    warn_unused(root)?;
     Ok(Scene {
         tables: builder.tables,
         settings,
@@ -103,7 +104,7 @@ struct Builder {
 impl Builder {
     fn new(camera: Camera) -> Builder {
         let data = (0..256)
-            .map(|i| crate::scene::color::srgb_to_linear(i as f32 / 255.0))
+            .map(|i| crate::scene::color::srgb_to_linear(f64::from(i) / 255.0) as f32)
             .collect();
         Builder {
             tables: SceneTables {

@@ -7,9 +7,6 @@ use glam::Vec3;
 use halflight_kernel::scene::camera::transform_point;
 use halflight_kernel::scene::{emitter, quadric_kind};
 
-/// Part of the selection that is spread evenly, so that an emitter whose power is misjudged is still found.
-const UNIFORM_PART: f32 = 0.25;
-
 impl Builder {
     /// Fills in what depends on the scene as a whole.
     pub(super) fn finish(&mut self, root: &Object) -> Result<(), SceneError> {
@@ -63,31 +60,15 @@ impl Builder {
         }
     }
 
-    /// Selection by power, mixed with an even share.
+    /// Probabilities of choosing each emitter.
     fn select_emitters(&mut self) {
-        let count = self.tables.emitters.len();
-        let powers: Vec<f64> = (0..count)
-            .map(|i| {
-                let power = f64::from(emitter::power(&self.tables.view(), i as u32));
-                if power.is_finite() && power > 0.0 { power } else { 0.0 }
-            })
+        let view = self.tables.view();
+        let powers: Vec<f32> = self
+            .tables
+            .emitters
+            .iter()
+            .map(|e| emitter::power(&view, e))
             .collect();
-        let total: f64 = powers.iter().sum();
-        let mut sum = 0.0;
-        for (emitter, power) in self.tables.emitters.iter_mut().zip(powers) {
-            let even = 1.0 / count as f64;
-            let share = if total > 0.0 {
-                let uniform = f64::from(UNIFORM_PART);
-                uniform * even + (1.0 - uniform) * power / total
-            } else {
-                even
-            };
-            sum += share;
-            emitter.selection_pdf = share as f32;
-            emitter.selection_cdf = sum as f32;
-        }
-        if let Some(last) = self.tables.emitters.last_mut() {
-            last.selection_cdf = 1.0;
-        }
+        emitter::fill_selection(&mut self.tables.emitters, &powers);
     }
 }

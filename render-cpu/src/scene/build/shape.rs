@@ -102,9 +102,8 @@ impl Builder {
             }
             "obj" | "ply" | "serialized" => {
                 let to_world = object.get_transform("to_world")?;
-                if let Some(mesh) = load::mesh(object)? {
-                    self.add_mesh(object, mesh, to_world, in_world)?;
-                }
+                let mesh = load::mesh(object)?;
+                self.add_mesh(object, mesh, to_world, in_world)?;
             }
             "rectangle" | "cube" => {
                 let to_world = object.get_transform("to_world")?;
@@ -274,7 +273,7 @@ impl Builder {
             }
             self.tables.shapes.push(shape);
             if in_world {
-                self.add_area_emitter(&emission, index, attributes)?;
+                self.add_area_emitter(&emission, index, attributes, attributes.is_none())?;
                 debug_assert_eq!(
                     self.tables.emitters[shape.emitter as usize].kind,
                     emitter_kind::AREA

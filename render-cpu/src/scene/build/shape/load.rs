@@ -1,29 +1,28 @@
 //! Mesh files of shapes.
 
-use crate::mesh::{self, Mesh};
+use crate::mesh::{self, Mesh, MeshError};
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 
-/// The mesh that a shape plugin names; nothing, after a warning, when it has no triangle.
-pub(super) fn mesh(object: &Object) -> Result<Option<Mesh>, SceneError> {
+/// The mesh that a shape plugin names, with the normals that it shall have.
+pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     let path = object.require_file("filename")?;
-    let options = mesh::LoadOptions {
-        face_normals: object.get_bool("face_normals", false)?,
-        flip_tex_coords: object.opt_bool("flip_tex_coords")?,
-        shape_index: object.get_int_in("shape_index", 0, 0, i64::from(u32::MAX))? as u32,
+    let fail = |e: MeshError| object.property_error("filename", e.to_string());
+    let flip = |default| object.get_bool("flip_tex_coords", default);
+    let mut mesh = match object.plugin.as_str() {
+        "obj" => mesh::obj::load(&path, flip(mesh::obj::DEFAULT_FLIP_TEX_COORDS)?).map_err(fail)?,
+        "ply" => mesh::ply::load(&path, flip(mesh::ply::DEFAULT_FLIP_TEX_COORDS)?).map_err(fail)?,
+        _ => {
+            let index = object.get_int_in("shape_index", 0, 0, i64::from(u32::MAX))? as u32;
+            mesh::serialized::load(&path, index).map_err(fail)?
+        }
     };
-    let fail = |e: mesh::MeshError| object.property_error("filename", e.to_string());
-    let loaded = match object.plugin.as_str() {
-        "obj" => mesh::obj::load(&path, &options).map_err(fail)?,
-        "ply" => mesh::ply::load(&path, &options).map_err(fail)?,
-        _ => mesh::serialized::load(&path, &options).map_err(fail)?,
-    };
-    for warning in &loaded.warnings {
-        object.warn(warning.clone())?;
+    // Mitsuba 0.6: vertices of faces that meet at a larger angle were split apart.
+    object.get("max_smooth_angle");
+    if mesh.face_normals || object.get_bool("face_normals", false)? {
+        mesh.normals.clear();
+    } else if mesh.normals.is_empty() {
+        mesh.compute_vertex_normals();
     }
-    if loaded.mesh.triangles.is_empty() {
-        object.warn("the mesh has no triangle; it is left out")?;
-        return Ok(None);
-    }
-    Ok(Some(loaded.mesh))
+    Ok(mesh)
 }

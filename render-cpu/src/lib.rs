@@ -17,4 +17,6 @@ pub mod merge;
 pub mod mesh;
 pub mod metrics;
 pub mod png_output;
+pub mod progress;
+pub mod render;
 pub mod scene;

@@ -63,7 +63,13 @@ impl ProgressReport {
             Display::Quiet => {}
             Display::Bar(bar) => {
                 bar.set_position((done * bar.length().unwrap_or(0) as f64) as u64);
-                bar.set_message(message(self.goal, self.samples_before, state, film, elapsed));
+                bar.set_message(message(
+                    self.goal,
+                    self.samples_before,
+                    state,
+                    film,
+                    elapsed,
+                ));
             }
             Display::Lines(last) => {
                 if last.elapsed() >= LINE_INTERVAL {
@@ -87,7 +93,13 @@ impl ProgressReport {
 }
 
 /// Samples, rate, time left and noise.
-fn message(goal: Goal, samples_before: u32, state: &RunState, film: &Film, elapsed: Duration) -> String {
+fn message(
+    goal: Goal,
+    samples_before: u32,
+    state: &RunState,
+    film: &Film,
+    elapsed: Duration,
+) -> String {
     let seconds = elapsed.as_secs_f64().max(1e-9);
     let samples = f64::from(state.samples - samples_before);
     let rate = samples * film.statistics().len() as f64 / seconds;

@@ -72,7 +72,11 @@ pub trait Observer {
     ///
     /// # Errors
     /// Whatever makes going on useless, such as a checkpoint that cannot be written.
-    fn after_pass(&mut self, state: &RunState, film: &Film) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
+    fn after_pass(
+        &mut self,
+        state: &RunState,
+        film: &Film,
+    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
 }
 
 /// Renders passes into `film` until the goal or until `stop` is set.
@@ -129,7 +133,15 @@ pub fn render(
             .adaptive
             .then(|| adaptive::next_sample_counts(film, per_pixel));
         let pass_start = Instant::now();
-        render_pass(&view, &scene.settings, scene.sampler, options, film, per_pixel, counts.as_deref());
+        render_pass(
+            &view,
+            &scene.settings,
+            scene.sampler,
+            options,
+            film,
+            per_pixel,
+            counts.as_deref(),
+        );
         seconds_per_sample = Some(pass_start.elapsed().as_secs_f64() / f64::from(per_pixel));
         state.passes += 1;
         state.samples += per_pixel;
@@ -201,10 +213,15 @@ impl<T: Traverse> Job<'_, T> {
     fn sample_pixel(&self, tile: &mut FilmTile<'_>, x: u32, y: u32, count: u32) {
         let camera = &self.view.tables.camera;
         let absolute = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
-        let index = absolute[1].wrapping_mul(camera.film_size[0]).wrapping_add(absolute[0]);
+        let index = absolute[1]
+            .wrapping_mul(camera.film_size[0])
+            .wrapping_add(absolute[0]);
         let mut pixel = tile.pixel_mut(x, y);
         for _ in 0..count {
-            let sample = self.options.first_sample.wrapping_add(pixel.statistics.count);
+            let sample = self
+                .options
+                .first_sample
+                .wrapping_add(pixel.statistics.count);
             let sampler = || AnySampler::new(self.sampler_kind, self.options.seed, index, sample);
             let radiance =
                 transport::sample_pixel(self.view, self.settings, &mut sampler(), absolute);

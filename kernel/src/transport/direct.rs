@@ -56,7 +56,8 @@ pub fn radiance<T: Traverse, S: Sampler>(
         let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
         if bsdf.has_smooth() {
             for _ in 0..settings.emitter_samples {
-                radiance += transmitted * emitter_sample(view, settings, sampler, &point, &bsdf, wi);
+                radiance +=
+                    transmitted * emitter_sample(view, settings, sampler, &point, &bsdf, wi);
             }
         }
         for _ in 0..settings.bsdf_samples {

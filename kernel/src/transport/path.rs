@@ -97,10 +97,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
                 let weight = if last.alone {
                     1.0
                 } else {
-                    power_heuristic(
-                        last.pdf,
-                        emitter::pdf_direct(tables, last.position, &point),
-                    )
+                    power_heuristic(last.pdf, emitter::pdf_direct(tables, last.position, &point))
                 };
                 radiance += throughput * emitted * weight;
             }
@@ -110,9 +107,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
         }
 
         let wi = point.frame.to_local(-ray.direction);
-        if settings.strict_normals != 0
-            && !is_same_side(&point, -ray.direction, wi.z)
-        {
+        if settings.strict_normals != 0 && !is_same_side(&point, -ray.direction, wi.z) {
             break;
         }
         let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);

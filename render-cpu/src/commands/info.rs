@@ -24,7 +24,21 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let scene = args.scene.load()?;
     let accel = build_accel(&scene);
     print_scene(&scene);
-    println!("\nray tracing\n{}", accel.statistics());
+    let trees = accel.statistics();
+    println!(
+        "\nray tracing\n  {} nodes, depth {}, {} primitives, {:.1} MiB, built in {:.3} s",
+        trees.nodes,
+        trees.depth,
+        trees.primitives,
+        mebibytes(trees.bytes),
+        trees.build_time.as_secs_f64()
+    );
+    if trees.skipped > 0 {
+        println!(
+            "  {} primitives without usable coordinates are left out",
+            trees.skipped
+        );
+    }
     println!("\nnot supported or not used as written");
     if scene.warnings.is_empty() {
         println!("  nothing");
@@ -81,14 +95,17 @@ fn print_scene(scene: &Scene) {
     println!(
         "textures     {}, {:.1} MiB of texels",
         tables.textures.len(),
-        mebibytes(std::mem::size_of_val(tables.texels.as_slice()))
+        mebibytes(size_of_val(tables.texels.as_slice()))
     );
     println!(
         "emitters     {}: {}",
         tables.emitters.len(),
         count_names(tables.emitters.iter().map(|e| emitter_name(e.kind)))
     );
-    println!("memory       {:.1} MiB of tables", mebibytes(tables.memory_bytes()));
+    println!(
+        "memory       {:.1} MiB of tables",
+        mebibytes(tables.memory_bytes())
+    );
     println!("\nplugins");
     for (name, count) in &scene.plugins {
         println!("  {count:5}  {name}");
@@ -104,7 +121,10 @@ fn count_names(names: impl Iterator<Item = &'static str>) -> String {
             None => counts.push((name, 1)),
         }
     }
-    let parts: Vec<_> = counts.iter().map(|(name, n)| format!("{n} {name}")).collect();
+    let parts: Vec<_> = counts
+        .iter()
+        .map(|(name, n)| format!("{n} {name}"))
+        .collect();
     parts.join(", ")
 }
 

@@ -137,7 +137,15 @@ pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + S
             passes: state.passes,
         }),
     };
-    let outcome = render(&scene, &accel, &options, &mut film, &mut state, &stop, &mut observer);
+    let outcome = render(
+        &scene,
+        &accel,
+        &options,
+        &mut film,
+        &mut state,
+        &stop,
+        &mut observer,
+    );
     observer.report.finish();
     // Whatever ended the run, what was rendered is kept.
     if let Some(checkpoint) = &mut observer.checkpoint
@@ -186,15 +194,25 @@ impl RenderArgs {
                 PathBuf::from(stem).with_extension("exr")
             }
         };
-        if output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
-            return Err(format!("{}: the image is an OpenEXR file; its name ends in .exr", output.display()));
+        if output
+            .extension()
+            .is_none_or(|e| !e.eq_ignore_ascii_case("exr"))
+        {
+            return Err(format!(
+                "{}: the image is an OpenEXR file; its name ends in .exr",
+                output.display()
+            ));
         }
         let folder = match output.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
         if !folder.is_dir() {
-            return Err(format!("{}: there is no folder {}", output.display(), folder.display()));
+            return Err(format!(
+                "{}: there is no folder {}",
+                output.display(),
+                folder.display()
+            ));
         }
         Ok(output)
     }
@@ -233,12 +251,18 @@ impl RenderArgs {
         set("seed", options.seed.to_string());
         set("first sample", options.first_sample.to_string());
         set("adaptive", options.adaptive.to_string());
-        set("size", format!("{}x{}", camera.film_size[0], camera.film_size[1]));
+        set(
+            "size",
+            format!("{}x{}", camera.film_size[0], camera.film_size[1]),
+        );
         set(
             "crop",
             format!(
                 "{},{},{},{}",
-                camera.crop_offset[0], camera.crop_offset[1], camera.crop_size[0], camera.crop_size[1]
+                camera.crop_offset[0],
+                camera.crop_offset[1],
+                camera.crop_size[0],
+                camera.crop_size[1]
             ),
         );
         set(
@@ -281,7 +305,13 @@ impl RenderArgs {
         tracing::info!("wrote {}", output.display());
         if !self.no_png {
             let png = output.with_extension("png");
-            write_png(&png, film.width(), film.height(), &film.mean(), self.exposure)?;
+            write_png(
+                &png,
+                film.width(),
+                film.height(),
+                &film.mean(),
+                self.exposure,
+            )?;
             tracing::info!("wrote {}", png.display());
         }
         Ok(())
@@ -329,7 +359,11 @@ impl Checkpoint {
 }
 
 impl Observer for RunObserver {
-    fn after_pass(&mut self, state: &RunState, film: &Film) -> Result<(), Box<dyn Error + Send + Sync>> {
+    fn after_pass(
+        &mut self,
+        state: &RunState,
+        film: &Film,
+    ) -> Result<(), Box<dyn Error + Send + Sync>> {
         self.report.update(state, film);
         if let Some(checkpoint) = &mut self.checkpoint
             && checkpoint.saved.elapsed() >= CHECKPOINT_INTERVAL
@@ -357,7 +391,9 @@ fn install_handler(stop: &Arc<AtomicBool>) {
 }
 
 fn parse_aov(text: &str) -> Result<Aov, String> {
-    text.trim().parse().map_err(|e: crate::aov::UnknownAov| e.to_string())
+    text.trim()
+        .parse()
+        .map_err(|e: crate::aov::UnknownAov| e.to_string())
 }
 
 fn parse_range(text: &str) -> Result<(u32, u32), String> {
@@ -365,7 +401,11 @@ fn parse_range(text: &str) -> Result<(u32, u32), String> {
     let (from, to) = text.split_once("..").ok_or_else(form)?;
     let from: u32 = from.trim().parse().map_err(|_| form())?;
     let to: u32 = to.trim().parse().map_err(|_| form())?;
-    if from < to { Ok((from, to)) } else { Err(form()) }
+    if from < to {
+        Ok((from, to))
+    } else {
+        Err(form())
+    }
 }
 
 fn parse_exposure(text: &str) -> Result<Exposure, String> {

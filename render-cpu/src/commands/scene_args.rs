@@ -73,7 +73,11 @@ fn parse_define(text: &str) -> Result<(String, String), String> {
     }
 }
 
-fn parse_numbers<const N: usize>(text: &str, separator: &[char], form: &str) -> Result<[u32; N], String> {
+fn parse_numbers<const N: usize>(
+    text: &str,
+    separator: &[char],
+    form: &str,
+) -> Result<[u32; N], String> {
     let mut numbers = [0; N];
     let mut parts = text.split(separator);
     for number in &mut numbers {

@@ -74,7 +74,7 @@ impl SceneTables {
     /// Bytes held by the tables.
     pub fn memory_bytes(&self) -> usize {
         fn bytes<T>(v: &[T]) -> usize {
-            std::mem::size_of_val(v)
+            size_of_val(v)
         }
         bytes(&self.positions)
             + bytes(&self.normals)

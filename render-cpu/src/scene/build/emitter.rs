@@ -10,7 +10,8 @@ use glam::{DMat4, DVec3};
 use halflight_kernel::scene::camera::{fov_axis, half_extents};
 use halflight_kernel::scene::emitter;
 use halflight_kernel::scene::{
-    Emitter, NONE, RgbParameter, Texture, emitter_kind, filter_mode, texel_format, texture_kind, wrap_mode,
+    Emitter, NONE, RgbParameter, Texture, emitter_kind, filter_mode, texel_format, texture_kind,
+    wrap_mode,
 };
 use std::sync::Arc;
 
@@ -52,16 +53,17 @@ impl Builder {
         object.touch();
         object.get("sampling_weight");
         let mut record = empty(emitter_kind::AREA);
-        record.radiance = self.rgb_parameter(object, "radiance", ColorUse::Emission, [1.0; 3], mesh)?;
+        record.radiance =
+            self.rgb_parameter(object, "radiance", ColorUse::Emission, [1.0; 3], mesh)?;
         record.shape = shape;
         let owner = self.tables.shapes[shape as usize];
         record.distribution = self.tables.data.len() as u32;
         let mut areas = Vec::new();
         record.area = if is_quadric {
-            emitter::quadric_area(&self.tables.quadrics[owner.first_primitive as usize])
+            emitter::area::quadric_area(&self.tables.quadrics[owner.first_primitive as usize])
         } else {
             areas.resize(owner.primitive_count as usize, 0.0);
-            emitter::fill_mesh_areas(&self.tables.view(), shape, &mut areas)
+            emitter::area::fill_mesh_areas(&self.tables.view(), shape, &mut areas)
         };
         if !(record.area > 0.0) {
             object.warn("the emitting shape has no area; it gives no light")?;
@@ -73,7 +75,8 @@ impl Builder {
 
     fn add_point(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
         let mut record = empty(emitter_kind::POINT);
-        let intensity = self.rgb_parameter(object, "intensity", ColorUse::Emission, [1.0; 3], None)?;
+        let intensity =
+            self.rgb_parameter(object, "intensity", ColorUse::Emission, [1.0; 3], None)?;
         record.radiance = RgbParameter::constant(expect_constant(object, "intensity", intensity)?);
         let to_world = match object.opt_vector("position")? {
             Some(position) => DMat4::from_translation(DVec3::from_array(position)),
@@ -86,7 +89,8 @@ impl Builder {
 
     fn add_spot(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
         let mut record = empty(emitter_kind::SPOT);
-        record.radiance = self.rgb_parameter(object, "intensity", ColorUse::Emission, [1.0; 3], None)?;
+        record.radiance =
+            self.rgb_parameter(object, "intensity", ColorUse::Emission, [1.0; 3], None)?;
         let cutoff = object.get_float_in("cutoff_angle", 20.0, 1e-3, 180.0)?;
         let beam = object.get_float_in("beam_width", cutoff * 0.75, 0.0, cutoff)?;
         if let Some(texture) = object.texture("texture").cloned() {
@@ -106,7 +110,8 @@ impl Builder {
 
     fn add_projector(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
         let mut record = empty(emitter_kind::PROJECTOR);
-        record.radiance = self.rgb_parameter(object, "irradiance", ColorUse::Emission, [1.0; 3], None)?;
+        record.radiance =
+            self.rgb_parameter(object, "irradiance", ColorUse::Emission, [1.0; 3], None)?;
         let scale = object.get_float("scale", 1.0)? as f32;
         record.radiance.value = record.radiance.value.map(|v| v * scale);
         let [width, height] = match record.radiance.texture {
@@ -144,8 +149,10 @@ impl Builder {
 
     fn add_directional(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
         let mut record = empty(emitter_kind::DIRECTIONAL);
-        let irradiance = self.rgb_parameter(object, "irradiance", ColorUse::Emission, [1.0; 3], None)?;
-        record.radiance = RgbParameter::constant(expect_constant(object, "irradiance", irradiance)?);
+        let irradiance =
+            self.rgb_parameter(object, "irradiance", ColorUse::Emission, [1.0; 3], None)?;
+        record.radiance =
+            RgbParameter::constant(expect_constant(object, "irradiance", irradiance)?);
         let to_world = match object.opt_vector("direction")? {
             Some(direction) => {
                 let z = DVec3::from_array(direction)
@@ -163,7 +170,8 @@ impl Builder {
 
     fn add_constant(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
         let mut record = empty(emitter_kind::CONSTANT);
-        let radiance = self.rgb_parameter(object, "radiance", ColorUse::Emission, [1.0; 3], None)?;
+        let radiance =
+            self.rgb_parameter(object, "radiance", ColorUse::Emission, [1.0; 3], None)?;
         record.radiance = RgbParameter::constant(expect_constant(object, "radiance", radiance)?);
         self.set_environment(object, record)
     }
@@ -179,21 +187,33 @@ impl Builder {
         };
         self.tables.textures.push(Texture {
             kind: texture_kind::BITMAP,
-            data: [first, width, height, format, filter_mode::BILINEAR, wrap_mode::REPEAT],
+            data: [
+                first,
+                width,
+                height,
+                format,
+                filter_mode::BILINEAR,
+                wrap_mode::REPEAT,
+            ],
             to_uv: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
             color0: RgbParameter::constant([1.0; 3]),
             color1: RgbParameter::constant([1.0; 3]),
         });
         debug_assert!(format <= texel_format::RGB32F);
         record.distribution = self.tables.data.len() as u32;
-        let (table_width, table_height) = emitter::environment_table_size(width, height);
+        let (table_width, table_height) =
+            emitter::environment::environment_table_size(width, height);
         record.width = table_width;
         record.height = table_height;
         let to_world = object.get_transform("to_world")?;
         self.place(object, &mut record, to_world)?;
-        let words = emitter::environment_table_words(table_width, table_height);
+        let words = emitter::environment::environment_table_words(table_width, table_height);
         let mut table = vec![0.0; words as usize];
-        emitter::fill_environment_distribution(&self.tables.view(), &record, &mut table);
+        emitter::environment::fill_environment_distribution(
+            &self.tables.view(),
+            &record,
+            &mut table,
+        );
         self.tables.data.extend_from_slice(&table);
         self.set_environment(object, record)
     }
@@ -207,7 +227,12 @@ impl Builder {
         Ok(())
     }
 
-    fn place(&self, object: &Object, record: &mut Emitter, to_world: DMat4) -> Result<(), SceneError> {
+    fn place(
+        &self,
+        object: &Object,
+        record: &mut Emitter,
+        to_world: DMat4,
+    ) -> Result<(), SceneError> {
         (record.to_world, record.to_local) = transform::rows_and_inverse(&to_world)
             .map_err(|e| object.property_error("to_world", e.to_string()))?;
         Ok(())

@@ -23,10 +23,12 @@ pub(super) fn build(
         settings.max_depth = depth(object, "max_depth", -1)?;
         settings.rr_depth = depth(object, "rr_depth", 5)?;
         let shading = object.get_int_in("shading_samples", 1, 0, 1 << 20)?;
-        settings.emitter_samples = object.get_int_in("emitter_samples", shading, 0, 1 << 20)? as u32;
+        settings.emitter_samples =
+            object.get_int_in("emitter_samples", shading, 0, 1 << 20)? as u32;
         settings.bsdf_samples = object.get_int_in("bsdf_samples", shading, 0, 1 << 20)? as u32;
         if object.plugin == "ao" {
-            settings.occlusion_samples = object.get_int_in("shading_samples", 1, 1, 1 << 20)? as u32;
+            settings.occlusion_samples =
+                object.get_int_in("shading_samples", 1, 1, 1 << 20)? as u32;
         }
         // Mitsuba 0.6: -1 takes half of the scene's size.
         let length = object.get_float("ray_length", -1.0)?;

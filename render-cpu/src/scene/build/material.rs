@@ -16,8 +16,8 @@ use halflight_kernel::bsdf::rough_plastic::{
     TRANSMITTANCE_ENTRIES, fill_rough_transmittance, rough_internal_reflectance,
 };
 use halflight_kernel::scene::{
-    FrameMap, LobeRecord, Material, NONE, RgbParameter, ScalarParameter, WeightFactor, distribution,
-    frame_map_kind, lobe_flag, lobe_kind, material_flag,
+    FrameMap, LobeRecord, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
+    distribution, frame_map_kind, lobe_flag, lobe_kind, material_flag,
 };
 use std::sync::Arc;
 
@@ -154,7 +154,9 @@ impl Builder {
                 let transmits = lobes[before..].iter().any(|lobe| {
                     matches!(
                         lobe.record.kind,
-                        lobe_kind::DIELECTRIC | lobe_kind::THIN_DIELECTRIC | lobe_kind::ROUGH_DIELECTRIC
+                        lobe_kind::DIELECTRIC
+                            | lobe_kind::THIN_DIELECTRIC
+                            | lobe_kind::ROUGH_DIELECTRIC
                     )
                 });
                 if transmits {
@@ -225,7 +227,12 @@ impl Builder {
         Ok(())
     }
 
-    fn push_lobe(&self, mut record: LobeRecord, context: Context<'_>, lobes: &mut Vec<PendingLobe>) {
+    fn push_lobe(
+        &self,
+        mut record: LobeRecord,
+        context: Context<'_>,
+        lobes: &mut Vec<PendingLobe>,
+    ) {
         record.flags |= context.sides;
         record.frame = context.frame;
         lobes.push(PendingLobe {
@@ -241,7 +248,7 @@ impl Builder {
         mesh: Option<&MeshAttributes>,
     ) -> Result<LobeRecord, SceneError> {
         let mut lobe = empty_lobe(lobe_kind::DIFFUSE);
-        let mut color = |builder: &mut Builder, name: &str, default: f32| {
+        let color = |builder: &mut Builder, name: &str, default: f32| {
             builder.rgb_parameter(object, name, ColorUse::Reflectance, [default; 3], mesh)
         };
         match object.plugin.as_str() {
@@ -290,11 +297,18 @@ impl Builder {
                     lobe.kind = lobe_kind::ROUGH_PLASTIC;
                     self.roughness(object, mesh, &mut lobe)?;
                     if lobe.alpha_u.texture != NONE {
-                        return Err(object.property_error("alpha", "cannot be a texture in roughplastic"));
+                        return Err(
+                            object.property_error("alpha", "cannot be a texture in roughplastic")
+                        );
                     }
                     lobe.table = self.tables.data.len() as u32;
                     let mut table = [0.0; TRANSMITTANCE_ENTRIES];
-                    fill_rough_transmittance(lobe.distribution, lobe.alpha_u.value, eta, &mut table);
+                    fill_rough_transmittance(
+                        lobe.distribution,
+                        lobe.alpha_u.value,
+                        eta,
+                        &mut table,
+                    );
                     self.tables.data.extend_from_slice(&table);
                     lobe.internal_reflectance =
                         rough_internal_reflectance(lobe.distribution, lobe.alpha_u.value, eta);
@@ -362,7 +376,10 @@ impl Builder {
         } else {
             alpha
         };
-        for (name, parameter) in [("alpha_u", &mut lobe.alpha_u), ("alpha_v", &mut lobe.alpha_v)] {
+        for (name, parameter) in [
+            ("alpha_u", &mut lobe.alpha_u),
+            ("alpha_v", &mut lobe.alpha_v),
+        ] {
             let named = if object.has(name) { name } else { "alpha" };
             check_alpha(object, named, parameter)?;
         }
@@ -371,7 +388,11 @@ impl Builder {
 }
 
 /// Keeps a constant roughness in the models' domain.
-fn check_alpha(object: &Object, name: &str, parameter: &mut ScalarParameter) -> Result<(), SceneError> {
+fn check_alpha(
+    object: &Object,
+    name: &str,
+    parameter: &mut ScalarParameter,
+) -> Result<(), SceneError> {
     if parameter.texture != NONE {
         return Ok(());
     }
@@ -397,7 +418,11 @@ fn relative_index(object: &Object, interior: &str) -> Result<f32, SceneError> {
 }
 
 /// The nested BSDFs of a wrapper, between `least` and `most` of them.
-fn nested_bsdfs(object: &Object, least: usize, most: usize) -> Result<Vec<Arc<Object>>, SceneError> {
+fn nested_bsdfs(
+    object: &Object,
+    least: usize,
+    most: usize,
+) -> Result<Vec<Arc<Object>>, SceneError> {
     let nested: Vec<_> = object
         .children_of(ObjectKind::Bsdf)
         .map(|child| child.object.clone())
@@ -408,7 +433,10 @@ fn nested_bsdfs(object: &Object, least: usize, most: usize) -> Result<Vec<Arc<Ob
         } else {
             format!("{least} or {most}")
         };
-        return Err(object.error(format!("needs {wanted} nested BSDF(s), found {}", nested.len())));
+        return Err(object.error(format!(
+            "needs {wanted} nested BSDF(s), found {}",
+            nested.len()
+        )));
     }
     Ok(nested)
 }

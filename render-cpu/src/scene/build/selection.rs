@@ -4,7 +4,7 @@ use super::Builder;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 use glam::Vec3;
-use halflight_kernel::scene::camera::transform_point;
+use halflight_kernel::math::affine::transform_point;
 use halflight_kernel::scene::{emitter, quadric_kind};
 
 impl Builder {

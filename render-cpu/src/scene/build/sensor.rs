@@ -98,7 +98,8 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
             sensor.get_float("principal_point_offset_y", 0.0)? as f32,
         ],
         aperture_radius: aperture(sensor, kind)?,
-        focus_distance: sensor.get_float_in("focus_distance", far, 1e-12, f64::from(f32::MAX))? as f32,
+        focus_distance: sensor.get_float_in("focus_distance", far, 1e-12, f64::from(f32::MAX))?
+            as f32,
         clip: [near as f32, far as f32],
         filter,
         filter_parameters,
@@ -172,7 +173,9 @@ fn field_of_view(sensor: &Object, width: u32, height: u32) -> Result<(f32, f32),
         .parse()
         .ok()
         .filter(|f: &f64| f.is_finite() && *f > 0.0)
-        .ok_or_else(|| sensor.property_error("focal_length", format!("\"{text}\" is no length in mm")))?;
+        .ok_or_else(|| {
+            sensor.property_error("focal_length", format!("\"{text}\" is no length in mm"))
+        })?;
     let fov = 2.0 * (0.5 * DIAGONAL_MM / millimetres).atan().to_degrees();
     Ok(half_extents(fov as f32, fov_axis::DIAGONAL, width, height))
 }
@@ -196,9 +199,8 @@ fn read_sampler(sensor: &Object, options: &BuildOptions) -> Result<(u32, u32, u3
     let kind = match plugin.as_str() {
         "independent" => sampler_kind::INDEPENDENT,
         // Every stratified or low-discrepancy sampler is served by the best that we have.
-        "sobol" | "ldsampler" | "multijitter" | "stratified" | "orthogonal" | "halton" | "hammersley" => {
-            sampler_kind::SOBOL
-        }
+        "sobol" | "ldsampler" | "multijitter" | "stratified" | "orthogonal" | "halton"
+        | "hammersley" => sampler_kind::SOBOL,
         other if options.sampler.is_some() => {
             return Err(SceneError::Request(format!(
                 "there is no sampler \"{other}\"; known are independent and sobol"
@@ -233,7 +235,10 @@ impl Film {
             object.touch();
             let side = |name, default| object.get_int_in(name, default, 1, MAX_SIDE);
             size = [side("width", 768)? as u32, side("height", 576)? as u32];
-            if object.has("crop_width") || object.has("crop_height") || object.has("crop_offset_x") || object.has("crop_offset_y")
+            if object.has("crop_width")
+                || object.has("crop_height")
+                || object.has("crop_offset_x")
+                || object.has("crop_offset_y")
             {
                 let offset = [
                     object.get_int_in("crop_offset_x", 0, 0, i64::from(size[0]) - 1)? as u32,
@@ -242,12 +247,25 @@ impl Film {
                 crop = Some(Crop {
                     offset,
                     size: [
-                        object.get_int_in("crop_width", (size[0] - offset[0]).into(), 1, MAX_SIDE)? as u32,
-                        object.get_int_in("crop_height", (size[1] - offset[1]).into(), 1, MAX_SIDE)? as u32,
+                        object.get_int_in(
+                            "crop_width",
+                            (size[0] - offset[0]).into(),
+                            1,
+                            MAX_SIDE,
+                        )? as u32,
+                        object.get_int_in(
+                            "crop_height",
+                            (size[1] - offset[1]).into(),
+                            1,
+                            MAX_SIDE,
+                        )? as u32,
                     ],
                 });
             }
-            if !matches!(object.plugin.as_str(), "hdrfilm" | "ldrfilm" | "mfilm" | "tiledhdrfilm") {
+            if !matches!(
+                object.plugin.as_str(),
+                "hdrfilm" | "ldrfilm" | "mfilm" | "tiledhdrfilm"
+            ) {
                 object.warn(format!(
                     "films of type \"{}\" are not supported; \"hdrfilm\" is used instead",
                     object.plugin
@@ -255,8 +273,18 @@ impl Film {
             }
             // Always written as 32-bit OpenEXR beside a PNG, whatever the file asks for.
             for name in [
-                "pixel_format", "component_format", "file_format", "banner", "attach_log", "gamma",
-                "exposure", "tonemap_method", "sample_border", "compensate", "high_quality_edges", "metadata",
+                "pixel_format",
+                "component_format",
+                "file_format",
+                "banner",
+                "attach_log",
+                "gamma",
+                "exposure",
+                "tonemap_method",
+                "sample_border",
+                "compensate",
+                "high_quality_edges",
+                "metadata",
             ] {
                 object.get(name);
             }
@@ -304,7 +332,8 @@ fn scale_crop(crop: Crop, from: [u32; 2], to: [u32; 2]) -> Crop {
     for axis in 0..2 {
         let scale = |x: u32| (u64::from(x) * u64::from(to[axis]) / u64::from(from[axis])) as u32;
         scaled.offset[axis] = scale(crop.offset[axis]);
-        scaled.size[axis] = (scale(crop.offset[axis] + crop.size[axis]) - scaled.offset[axis]).max(1);
+        scaled.size[axis] =
+            (scale(crop.offset[axis] + crop.size[axis]) - scaled.offset[axis]).max(1);
     }
     scaled
 }

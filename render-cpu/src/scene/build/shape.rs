@@ -30,11 +30,15 @@ impl Builder {
             triangles: 0..self.tables.triangles.len() as u32,
             quadrics: 0..self.tables.quadrics.len() as u32,
         };
-        self.tables.instances.push(instance(DMat4::IDENTITY, 0, root)?);
+        self.tables
+            .instances
+            .push(instance(DMat4::IDENTITY, 0, root)?);
         for (object, group_object) in placed {
             let group = self.group(&group_object)?;
             let to_world = object.get_transform("to_world")?;
-            self.tables.instances.push(instance(to_world, group, &object)?);
+            self.tables
+                .instances
+                .push(instance(to_world, group, &object)?);
         }
         if self
             .tables
@@ -133,7 +137,8 @@ impl Builder {
         to_world: DMat4,
         in_world: bool,
     ) -> Result<(), SceneError> {
-        let overflow = || object.error("the scene has more vertices or triangles than 32-bit indices reach");
+        let overflow =
+            || object.error("the scene has more vertices or triangles than 32-bit indices reach");
         let tables = &mut self.tables;
         let first_vertex = u32::try_from(tables.positions.len()).map_err(|_| overflow())?;
         let first_triangle = u32::try_from(tables.triangles.len()).map_err(|_| overflow())?;
@@ -156,7 +161,9 @@ impl Builder {
                 .map_err(|e| object.property_error("to_world", e.to_string()))?;
             for n in &mesh.normals {
                 let n = normal_to_world * DVec3::new(n[0].into(), n[1].into(), n[2].into());
-                tables.normals.push(n.normalize_or_zero().as_vec3().to_array());
+                tables
+                    .normals
+                    .push(n.normalize_or_zero().as_vec3().to_array());
             }
         }
         let mut uv_offset = NONE;
@@ -215,8 +222,8 @@ impl Builder {
         to_world: DMat4,
         in_world: bool,
     ) -> Result<(), SceneError> {
-        let (to_world, to_object) =
-            transform::rows_and_inverse(&to_world).map_err(|e| object.property_error("to_world", e.to_string()))?;
+        let (to_world, to_object) = transform::rows_and_inverse(&to_world)
+            .map_err(|e| object.property_error("to_world", e.to_string()))?;
         let quadric = self.tables.quadrics.len() as u32;
         self.tables.quadrics.push(Quadric {
             to_world,

@@ -7,7 +7,8 @@ use crate::scene::error::SceneError;
 use crate::scene::xml::{ColorSource, FloatSource, Object, ObjectKind};
 use glam::DMat4;
 use halflight_kernel::scene::{
-    NONE, RgbParameter, ScalarParameter, Texture, filter_mode, texel_format, texture_kind, wrap_mode,
+    NONE, RgbParameter, ScalarParameter, Texture, filter_mode, texel_format, texture_kind,
+    wrap_mode,
 };
 use std::sync::Arc;
 
@@ -51,7 +52,9 @@ impl Builder {
                 }
                 Ok(RgbParameter::constant(value))
             }
-            ColorSource::Texture(texture) => Ok(RgbParameter::textured(self.texture(&texture, mesh)?)),
+            ColorSource::Texture(texture) => {
+                Ok(RgbParameter::textured(self.texture(&texture, mesh)?))
+            }
         }
     }
 
@@ -112,14 +115,7 @@ impl Builder {
                 let path = object.require_file("filename")?;
                 let [first, width, height, format] = self.bitmap(object, &path, raw)?;
                 texture.kind = texture_kind::BITMAP;
-                texture.data = [
-                    first,
-                    width,
-                    height,
-                    format,
-                    filter(object)?,
-                    wrap(object)?,
-                ];
+                texture.data = [first, width, height, format, filter(object)?, wrap(object)?];
                 texture.color0 = RgbParameter::constant([1.0; 3]);
             }
             "checkerboard" => {
@@ -140,11 +136,21 @@ impl Builder {
                     };
                     find(&mesh.vertex)
                         .map(|(_, word, channels)| {
-                            (texture_kind::VERTEX_ATTRIBUTE, word, channels, mesh.first_vertex)
+                            (
+                                texture_kind::VERTEX_ATTRIBUTE,
+                                word,
+                                channels,
+                                mesh.first_vertex,
+                            )
                         })
                         .or_else(|| {
                             find(&mesh.face).map(|(_, word, channels)| {
-                                (texture_kind::FACE_ATTRIBUTE, word, channels, mesh.first_triangle)
+                                (
+                                    texture_kind::FACE_ATTRIBUTE,
+                                    word,
+                                    channels,
+                                    mesh.first_triangle,
+                                )
                             })
                         })
                 });
@@ -162,7 +168,8 @@ impl Builder {
                 }
             }
             "scale" => {
-                let factor = self.rgb_parameter(object, "scale", ColorUse::Emission, [1.0; 3], mesh)?;
+                let factor =
+                    self.rgb_parameter(object, "scale", ColorUse::Emission, [1.0; 3], mesh)?;
                 let nested = object
                     .single_child_of(ObjectKind::Texture)?
                     .ok_or_else(|| object.error("\"scale\" needs a nested texture"))?;
@@ -217,7 +224,9 @@ impl Builder {
                 }
             }
             Texels::Rgb32F(data) => {
-                self.tables.texels.extend(data.iter().map(|value| value.to_bits()));
+                self.tables
+                    .texels
+                    .extend(data.iter().map(|value| value.to_bits()));
                 texel_format::RGB32F
             }
         };
@@ -249,8 +258,14 @@ fn uv_transform(object: &Object) -> Result<[f32; 6], SceneError> {
         column(3).y,
     ];
     let both = object.get_float("uvscale", 1.0)?;
-    let scale = [object.get_float("uscale", both)?, object.get_float("vscale", both)?];
-    let offset = [object.get_float("uoffset", 0.0)?, object.get_float("voffset", 0.0)?];
+    let scale = [
+        object.get_float("uscale", both)?,
+        object.get_float("vscale", both)?,
+    ];
+    let offset = [
+        object.get_float("uoffset", 0.0)?,
+        object.get_float("voffset", 0.0)?,
+    ];
     for row in 0..2 {
         for i in 0..3 {
             to_uv[3 * row + i] *= scale[row];
@@ -291,7 +306,11 @@ fn wrap(object: &Object) -> Result<u32, SceneError> {
 }
 
 /// A parameter without a texture; used where the kernel takes only constants.
-pub(super) fn expect_constant(object: &Object, name: &str, parameter: RgbParameter) -> Result<[f32; 3], SceneError> {
+pub(super) fn expect_constant(
+    object: &Object,
+    name: &str,
+    parameter: RgbParameter,
+) -> Result<[f32; 3], SceneError> {
     if parameter.texture == NONE {
         Ok(parameter.value)
     } else {

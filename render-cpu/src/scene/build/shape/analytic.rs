@@ -81,7 +81,9 @@ pub(super) fn quadric(object: &Object) -> Result<(u32, DMat4), SceneError> {
             let center = DVec3::from_array(object.get_vector("center", [0.0; 3])?);
             (
                 quadric_kind::SPHERE,
-                to_world * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius(1.0)?)),
+                to_world
+                    * DMat4::from_translation(center)
+                    * DMat4::from_scale(DVec3::splat(radius(1.0)?)),
             )
         }
         "cylinder" => {

@@ -57,11 +57,11 @@ impl Builder {
             self.rgb_parameter(object, "radiance", ColorUse::Emission, [1.0; 3], mesh)?;
         record.shape = shape;
         let owner = self.tables.shapes[shape as usize];
-        record.distribution = self.tables.data.len() as u32;
         let mut areas = Vec::new();
         record.area = if is_quadric {
             emitter::area::quadric_area(&self.tables.quadrics[owner.first_primitive as usize])
         } else {
+            record.distribution = self.tables.data.len() as u32;
             areas.resize(owner.primitive_count as usize, 0.0);
             emitter::area::fill_mesh_areas(&self.tables.view(), shape, &mut areas)
         };

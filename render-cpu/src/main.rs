@@ -1,7 +1,7 @@
 //! The command `halflight`.
 
 use clap::{Parser, Subcommand};
-use halflight::commands::{info, render};
+use halflight::commands::{compare, info, merge, render};
 use std::error::Error;
 use std::process::ExitCode;
 use tracing_subscriber::filter::LevelFilter;
@@ -26,6 +26,10 @@ enum Command {
     Render(render::RenderArgs),
     /// Show what a scene holds, and what of it is not supported
     Info(info::InfoArgs),
+    /// Compare two images
+    Compare(compare::CompareArgs),
+    /// Merge images of the same scene with different samples
+    Merge(merge::MergeArgs),
 }
 
 fn main() -> ExitCode {
@@ -55,5 +59,7 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     match cli.command {
         Command::Render(args) => render::run(&args, cli.quiet),
         Command::Info(args) => info::run(&args),
+        Command::Compare(args) => Ok(compare::run(&args)?),
+        Command::Merge(args) => Ok(merge::run(&args)?),
     }
 }

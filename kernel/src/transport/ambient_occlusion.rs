@@ -8,7 +8,6 @@ use super::IntegratorSettings;
 use crate::math::warp::square_to_cosine_hemisphere;
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
-use crate::scene::intersect::offset_origin;
 use crate::scene::surface::surface_at;
 use crate::scene::{SceneView, Traverse};
 
@@ -38,10 +37,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
         {
             continue;
         }
-        let mut probe = Ray::new(
-            offset_origin(point.position, point.geometric_normal, direction),
-            direction,
-        );
+        let mut probe = point.spawn(direction);
         probe.t_max = settings.occlusion_distance * view.tables.info.radius;
         if !view.traverse.is_occluded(&probe) {
             open += 1.0;

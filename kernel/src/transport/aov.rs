@@ -3,8 +3,7 @@
 //! Masks are looked through at random by their opacity, mirrors and glass are not followed. A ray that leaves the scene
 //! returns zeros with `hit` false.
 
-use super::path::pass_through;
-use super::visibility::MAX_NULL_CROSSINGS;
+use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb, luminance};
 use crate::sampler::Sampler;

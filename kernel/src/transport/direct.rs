@@ -7,12 +7,11 @@
 //! masks does not count as scattering.
 
 use super::IntegratorSettings;
-use super::path::{is_same_side, pass_through, power_heuristic};
-use super::visibility::{MAX_NULL_CROSSINGS, transmittance};
+use super::path::{is_same_side, power_heuristic};
+use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
-use crate::scene::intersect::offset_origin;
 use crate::scene::surface::surface_at;
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse, emitter};
 use glam::Vec3;
@@ -106,11 +105,10 @@ fn emitter_sample<T: Traverse, S: Sampler>(
             settings.bsdf_samples as f32 * pdf,
         )
     };
-    let origin = offset_origin(point.position, point.geometric_normal, light.direction);
     value
         * light.radiance
         * (weight / (light.pdf * emitter_count))
-        * transmittance(view, origin, light.direction, light.distance)
+        * transmittance(view, point, &light)
 }
 
 /// One of the BSDF samples, divided by their number.
@@ -140,10 +138,7 @@ fn bsdf_sample<T: Traverse, S: Sampler>(
         settings.emitter_samples as f32
     };
     let mut throughput = sample.weight * (1.0 / bsdf_count);
-    let mut ray = Ray::new(
-        offset_origin(point.position, point.geometric_normal, direction),
-        direction,
-    );
+    let mut ray = point.spawn(direction);
     let mut radiance = Rgb::ZERO;
     let mut crossings = 0;
     while crossings <= MAX_NULL_CROSSINGS {

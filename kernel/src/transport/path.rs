@@ -14,11 +14,10 @@
 //! Invariant (tests): the mean does not depend on `rr_depth`, on the sampler or on which of the two techniques is used.
 
 use super::IntegratorSettings;
-use super::visibility::{MAX_NULL_CROSSINGS, transmittance};
+use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
-use crate::scene::intersect::offset_origin;
 use crate::scene::surface::surface_at;
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse, emitter};
 use glam::Vec3;
@@ -152,10 +151,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
             }
             throughput /= survival;
         }
-        ray = Ray::new(
-            offset_origin(point.position, point.geometric_normal, direction),
-            direction,
-        );
+        ray = point.spawn(direction);
     }
     radiance
 }
@@ -190,23 +186,11 @@ fn emitter_sample<T: Traverse, S: Sampler>(
         power_heuristic(light.pdf, pdf)
     };
     let contribution = value * light.radiance * (weight / light.pdf);
-    let origin = offset_origin(point.position, point.geometric_normal, light.direction);
-    contribution * transmittance(view, origin, light.direction, light.distance)
+    contribution * transmittance(view, point, &light)
 }
 
 /// Whether a direction with local cosine `cos_theta` is on the same side of both normals.
 #[inline]
 pub(super) fn is_same_side(point: &SurfacePoint, direction: Vec3, cos_theta: f32) -> bool {
     point.geometric_normal.dot(direction) * cos_theta > 0.0
-}
-
-/// Moves the ray's origin behind `point`.
-#[inline]
-pub(super) fn pass_through(ray: &mut Ray, point: &SurfacePoint) {
-    let next = offset_origin(point.position, point.geometric_normal, ray.direction);
-    if ray.t_max < f32::MAX {
-        ray.t_max -= (next - ray.origin).dot(ray.direction);
-    }
-    ray.t_min = 0.0;
-    ray.origin = next;
 }

@@ -6,29 +6,24 @@
 
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb};
-use crate::scene::intersect::offset_origin;
+use crate::scene::emitter::DirectSample;
 use crate::scene::surface::surface_at;
-use crate::scene::{SceneView, Traverse, material_flag, scene_flag};
-use glam::Vec3;
+use crate::scene::{SceneView, SurfacePoint, Traverse, material_flag, scene_flag};
 
-/// Most masks that one straight segment may pass before it counts as blocked.
+/// Most masks that one straight line may pass before it counts as blocked.
 pub const MAX_NULL_CROSSINGS: u32 = 64;
 
-/// Part of the unit segment's end that a shadow ray leaves out, so that it does not meet the light itself.
-const END_TOLERANCE: f32 = 1e-4;
-
-/// Transmittance in [0, 1] per channel from `origin` (already offset from its surface) over `distance` along the unit
-/// `direction`; an infinite light has a distance of [`f32::MAX`].
+/// Transmittance in [0, 1] per channel from `point` to a sampled light.
 pub fn transmittance<T: Traverse>(
     view: &SceneView<'_, T>,
-    origin: Vec3,
-    direction: Vec3,
-    distance: f32,
+    point: &SurfacePoint,
+    light: &DirectSample,
 ) -> Rgb {
-    let mut ray = Ray::new(origin, direction);
-    if distance < f32::MAX {
-        ray.t_max = distance * (1.0 - END_TOLERANCE);
-    }
+    let mut ray = if light.distance < f32::MAX {
+        point.segment_to(light.target)
+    } else {
+        point.spawn(light.direction)
+    };
     if view.tables.info.flags & scene_flag::HAS_NULL == 0 {
         return if view.traverse.is_occluded(&ray) {
             Rgb::ZERO
@@ -43,27 +38,33 @@ pub fn transmittance<T: Traverse>(
         if !hit.is_hit() {
             return remaining;
         }
-        let point = surface_at(&view.tables, &ray, &hit);
-        let material = view.tables.materials[point.material as usize];
+        let mask = surface_at(&view.tables, &ray, &hit);
+        let material = view.tables.materials[mask.material as usize];
         if material.flags & material_flag::HAS_NULL == 0 {
             return Rgb::ZERO;
         }
-        let wi = point.frame.to_local(-direction);
-        let bsdf = Bsdf::at(&view.tables, &point, wi, mode::RADIANCE);
+        let wi = mask.frame.to_local(-ray.direction);
+        let bsdf = Bsdf::at(&view.tables, &mask, wi, mode::RADIANCE);
         remaining *= bsdf.null_transmittance();
-        if remaining.max_element() <= 0.0 {
+        if !(remaining.max_element() > 0.0) {
             return Rgb::ZERO;
         }
-        let next = offset_origin(point.position, point.geometric_normal, direction);
-        let advanced = (next - ray.origin).dot(direction);
-        if ray.t_max < f32::MAX {
-            ray.t_max -= advanced;
-        }
+        pass_through(&mut ray, &mask);
         if ray.t_max <= 0.0 {
             return remaining;
         }
-        ray.origin = next;
         crossings += 1;
     }
     Rgb::ZERO
+}
+
+/// Moves the ray's origin behind `point` and keeps its end.
+#[inline]
+pub fn pass_through(ray: &mut Ray, point: &SurfacePoint) {
+    let next = point.offset_position(ray.direction);
+    if ray.t_max < f32::MAX {
+        ray.t_max -= (next - ray.origin).dot(ray.direction);
+    }
+    ray.t_min = 0.0;
+    ray.origin = next;
 }

@@ -48,7 +48,6 @@ impl Builder {
         object: &Arc<Object>,
         shape: u32,
         mesh: Option<&MeshAttributes>,
-        is_quadric: bool,
     ) -> Result<(), SceneError> {
         object.touch();
         object.get("sampling_weight");
@@ -56,15 +55,10 @@ impl Builder {
         record.radiance =
             self.rgb_parameter(object, "radiance", ColorUse::Emission, [1.0; 3], mesh)?;
         record.shape = shape;
-        let owner = self.tables.shapes[shape as usize];
-        let mut areas = Vec::new();
-        record.area = if is_quadric {
-            emitter::area::quadric_area(&self.tables.quadrics[owner.first_primitive as usize])
-        } else {
-            record.distribution = self.tables.data.len() as u32;
-            areas.resize(owner.primitive_count as usize, 0.0);
-            emitter::area::fill_mesh_areas(&self.tables.view(), shape, &mut areas)
-        };
+        let count = self.tables.shapes[shape as usize].primitive_count as usize;
+        let mut areas = vec![0.0; count];
+        record.distribution = self.tables.data.len() as u32;
+        record.area = emitter::fill_shape_areas(&self.tables.view(), shape, &mut areas);
         if !(record.area > 0.0) {
             object.warn("the emitting shape has no area; it gives no light")?;
         }
@@ -201,19 +195,14 @@ impl Builder {
         });
         debug_assert!(format <= texel_format::RGB32F);
         record.distribution = self.tables.data.len() as u32;
-        let (table_width, table_height) =
-            emitter::environment::environment_table_size(width, height);
+        let (table_width, table_height) = emitter::environment_table_size(width, height);
         record.width = table_width;
         record.height = table_height;
         let to_world = object.get_transform("to_world")?;
         self.place(object, &mut record, to_world)?;
-        let words = emitter::environment::environment_table_words(table_width, table_height);
+        let words = emitter::environment_table_words(table_width, table_height);
         let mut table = vec![0.0; words as usize];
-        emitter::environment::fill_environment_distribution(
-            &self.tables.view(),
-            &record,
-            &mut table,
-        );
+        emitter::fill_environment_distribution(&self.tables.view(), &record, &mut table);
         self.tables.data.extend_from_slice(&table);
         self.set_environment(object, record)
     }

@@ -63,11 +63,8 @@ impl Builder {
     /// Probabilities of choosing each emitter.
     fn select_emitters(&mut self) {
         let view = self.tables.view();
-        let powers: Vec<f32> = self
-            .tables
-            .emitters
-            .iter()
-            .map(|e| emitter::power(&view, e))
+        let powers: Vec<f32> = (0..self.tables.emitters.len())
+            .map(|i| emitter::power(&view, i as u32))
             .collect();
         emitter::fill_selection(&mut self.tables.emitters, &powers);
     }

@@ -280,7 +280,7 @@ impl Builder {
             }
             self.tables.shapes.push(shape);
             if in_world {
-                self.add_area_emitter(&emission, index, attributes, attributes.is_none())?;
+                self.add_area_emitter(&emission, index, attributes)?;
                 debug_assert_eq!(
                     self.tables.emitters[shape.emitter as usize].kind,
                     emitter_kind::AREA

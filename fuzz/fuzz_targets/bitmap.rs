@@ -4,7 +4,7 @@
 use std::path::Path;
 
 libfuzzer_sys::fuzz_target!(
-    // The reader turns panics of decoders into errors; libFuzzer's hook would abort before it can.
+    // The OpenEXR reader turns panics of its decoder into errors; libFuzzer's hook would abort before it can.
     init: { let _ = std::panic::take_hook(); },
     |data: &[u8]| {
         // The name makes what has no magic number a TGA.

@@ -11,7 +11,7 @@
 //! What is not finite in a float image becomes finite, with a warning: NaN zero, infinities the largest half float.
 
 use super::exr_read::{ExrImage, read_exr_bytes};
-use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, believable_bytes, guarded, read_file};
+use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, believable_bytes, read_file};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -71,7 +71,7 @@ pub fn read_bitmap(bytes: &[u8], raw: bool, file: &Path) -> Result<Bitmap, Image
         Err(_) if is_tga() => ImageFormat::Tga,
         Err(_) => return Err(ImageError::unsupported(file, "the image's format")),
     };
-    guarded(file, || decode(bytes, format, raw, file))
+    decode(bytes, format, raw, file)
 }
 
 fn decode(bytes: &[u8], format: ImageFormat, raw: bool, file: &Path) -> Result<Bitmap, ImageError> {

@@ -13,7 +13,6 @@ pub use bitmap::{Bitmap, Texels, load_bitmap, read_bitmap};
 pub use error::ImageError;
 pub use exr_read::{ExrImage, read_exr, read_exr_bytes};
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// Largest width and height of an image, in pixels.
@@ -43,19 +42,5 @@ fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
     crate::bytes::read_file(path, MAX_FILE_BYTES).map_err(|source| ImageError::Io {
         file: path.to_owned(),
         source,
-    })
-}
-
-/// Runs a decoder that is known to panic on damaged files; a panic becomes an error.
-fn guarded<T>(
-    file: &Path,
-    decode: impl FnOnce() -> Result<T, ImageError>,
-) -> Result<T, ImageError> {
-    // The decoder works on its own locals only, and they are dropped: nothing broken is observed afterwards.
-    catch_unwind(AssertUnwindSafe(decode)).unwrap_or_else(|_| {
-        Err(ImageError::malformed(
-            file,
-            "the file is damaged in a way that its decoder did not foresee",
-        ))
     })
 }

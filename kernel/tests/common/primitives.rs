@@ -1,5 +1,8 @@
 //! Scenes of a few primitives, and their geometry in f64.
 
+// Each test file uses its part.
+#![allow(dead_code)]
+
 use bytemuck::Zeroable;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec3};
 use halflight_kernel::scene::*;

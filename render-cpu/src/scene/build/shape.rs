@@ -133,7 +133,7 @@ impl Builder {
     fn add_mesh(
         &mut self,
         object: &Arc<Object>,
-        mesh: Mesh,
+        mut mesh: Mesh,
         to_world: DMat4,
         in_world: bool,
     ) -> Result<(), SceneError> {
@@ -145,26 +145,12 @@ impl Builder {
         u32::try_from(tables.positions.len() + mesh.positions.len()).map_err(|_| overflow())?;
         u32::try_from(tables.triangles.len() + mesh.triangles.len()).map_err(|_| overflow())?;
 
-        for p in &mesh.positions {
-            let p = to_world.transform_point3(DVec3::new(p[0].into(), p[1].into(), p[2].into()));
-            let p = p.as_vec3();
-            if !p.is_finite() {
-                return Err(object.error("to_world moves a vertex beyond the range of numbers"));
-            }
-            tables.positions.push(p.to_array());
-        }
+        transform_mesh(object, &mut mesh, to_world)?;
+        tables.positions.extend_from_slice(&mesh.positions);
         let mut normal_offset = NONE;
         if !mesh.normals.is_empty() {
             normal_offset = (tables.normals.len() as u32).wrapping_sub(first_vertex);
-            let normal_to_world = transform::inverse(&to_world)
-                .map(|inverse| DMat3::from_mat4(inverse).transpose())
-                .map_err(|e| object.property_error("to_world", e.to_string()))?;
-            for n in &mesh.normals {
-                let n = normal_to_world * DVec3::new(n[0].into(), n[1].into(), n[2].into());
-                tables
-                    .normals
-                    .push(n.normalize_or_zero().as_vec3().to_array());
-            }
+            tables.normals.extend_from_slice(&mesh.normals);
         }
         let mut uv_offset = NONE;
         if !mesh.uvs.is_empty() {
@@ -195,7 +181,7 @@ impl Builder {
             }
         }
         let mut flags = self.shape_flags(object)?;
-        if object.get_bool("face_normals", false)? {
+        if mesh.face_normals {
             flags |= shape_flag::FACE_NORMALS;
         }
         self.push_shape(
@@ -291,6 +277,35 @@ impl Builder {
         }
         Ok(())
     }
+}
+
+/// Moves a mesh into the world (or its group's space) and gives it the normals that it shall have there.
+fn transform_mesh(object: &Object, mesh: &mut Mesh, to_world: DMat4) -> Result<(), SceneError> {
+    let wide = |v: &[f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
+    for p in &mut mesh.positions {
+        let moved = to_world.transform_point3(wide(p)).as_vec3();
+        if !moved.is_finite() {
+            return Err(object.error("to_world moves a vertex beyond the range of numbers"));
+        }
+        *p = moved.to_array();
+    }
+    if mesh.face_normals {
+        mesh.normals.clear();
+    } else if mesh.normals.is_empty() {
+        // Angles are those in the world, so this comes after the transform.
+        mesh.compute_vertex_normals();
+    } else {
+        let normal_to_world = transform::inverse(&to_world)
+            .map(|inverse| DMat3::from_mat4(inverse).transpose())
+            .map_err(|e| object.property_error("to_world", e.to_string()))?;
+        for n in &mut mesh.normals {
+            *n = (normal_to_world * wide(n))
+                .normalize_or_zero()
+                .as_vec3()
+                .to_array();
+        }
+    }
+    Ok(())
 }
 
 /// An instance record of a group.

@@ -21,6 +21,7 @@ pub(super) fn rectangle(to_world: DMat4) -> Mesh {
         ],
         uvs: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        face_normals: true,
         ..Mesh::default()
     };
     keep_orientation(&mut mesh, to_world);
@@ -38,7 +39,10 @@ pub(super) fn cube(to_world: DMat4) -> Mesh {
         ([-1.0, -1.0, -1.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
         ([-1.0, 1.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]),
     ];
-    let mut mesh = Mesh::default();
+    let mut mesh = Mesh {
+        face_normals: true,
+        ..Mesh::default()
+    };
     for (corner, v_step, u_step) in FACES {
         let first = mesh.positions.len() as u32;
         for (u, v) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {

@@ -4,7 +4,7 @@ use crate::mesh::{self, Mesh, MeshError};
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 
-/// The mesh that a shape plugin names, with the normals that it shall have.
+/// The mesh that a shape plugin names, in its own space.
 pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     let path = object.require_file("filename")?;
     let fail = |e: MeshError| object.property_error("filename", e.to_string());
@@ -19,10 +19,6 @@ pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     };
     // Mitsuba 0.6: vertices of faces that meet at a larger angle were split apart.
     object.get("max_smooth_angle");
-    if mesh.face_normals || object.get_bool("face_normals", false)? {
-        mesh.normals.clear();
-    } else if mesh.normals.is_empty() {
-        mesh.compute_vertex_normals();
-    }
+    mesh.face_normals |= object.get_bool("face_normals", false)?;
     Ok(mesh)
 }

@@ -62,6 +62,7 @@ impl Builder {
                 return Ok(index);
             }
             let mut record = empty_lobe(lobe_kind::DIFFUSE);
+            record.flags = lobe_flag::FRONT | lobe_flag::BACK;
             // Emitters that say nothing of their surface reflect nothing.
             record.reflectance = RgbParameter::constant([if is_emitter { 0.0 } else { 0.5 }; 3]);
             let index = self.push_material(vec![PendingLobe {

@@ -2,7 +2,7 @@
 
 use super::Builder;
 use crate::scene::error::SceneError;
-use crate::scene::xml::Object;
+use crate::scene::xml::{Object, ObjectKind};
 use glam::Vec3;
 use halflight_kernel::math::affine::transform_point;
 use halflight_kernel::scene::{emitter, quadric_kind};
@@ -10,6 +10,10 @@ use halflight_kernel::scene::{emitter, quadric_kind};
 impl Builder {
     /// Fills in what depends on the scene as a whole.
     pub(super) fn finish(&mut self, root: &Object) -> Result<(), SceneError> {
+        // Definitions at the top are there to be referred to; one that nothing uses is no mistake.
+        for kind in [ObjectKind::Bsdf, ObjectKind::Texture, ObjectKind::Spectrum] {
+            root.children_of(kind).for_each(drop);
+        }
         self.bound();
         self.select_emitters();
         if self.tables.emitters.is_empty() {

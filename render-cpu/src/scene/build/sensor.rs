@@ -76,7 +76,14 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
     let (tan_half_width, tan_half_height) = if kind == camera_kind::ORTHOGRAPHIC {
         (1.0, height as f32 / width as f32)
     } else {
-        field_of_view(sensor, width, height)?
+        // A new width keeps the horizontal field of view of the file's film; its rounded height would change it a
+        // little where the angle is given along another axis.
+        let [file_width, file_height] = film.framed_size;
+        let (tan_half_width, _) = field_of_view(sensor, file_width, file_height)?;
+        (
+            tan_half_width,
+            tan_half_width * height as f32 / width as f32,
+        )
     };
     let near = sensor.get_float("near_clip", 1e-2)?;
     let far = sensor.get_float("far_clip", 1e4)?;
@@ -221,6 +228,8 @@ fn read_sampler(sensor: &Object, options: &BuildOptions) -> Result<(u32, u32, u3
 /// Size, crop and filter of the film.
 struct Film {
     size: [u32; 2],
+    /// The size whose proportions decide the field of view.
+    framed_size: [u32; 2],
     crop: Crop,
     filter: (u32, [f32; 3]),
 }
@@ -322,7 +331,12 @@ impl Film {
                 )));
             }
         }
-        Ok(Film { size, crop, filter })
+        Ok(Film {
+            size,
+            framed_size: if change.size.is_some() { size } else { before },
+            crop,
+            filter,
+        })
     }
 }
 

@@ -211,6 +211,19 @@ fn edges_and_vertices_are_watertight() {
     assert!(rays > 6000);
 }
 
+/// Triangles so small that their vertices' products with the distance to the ray round to the same number.
+#[test]
+fn small_triangles_are_not_hit_from_afar() {
+    let input = (prop::array::uniform3(point(1e-7)), point(1.0), direction());
+    runner(20_000)
+        .run(&input, |(p, origin, direction)| {
+            prop_assume!(origin.cross(direction).length() > 1e-3);
+            assert_eq!(intersect(&Ray::new(origin, direction), p).t, f32::MAX);
+            Ok(())
+        })
+        .unwrap();
+}
+
 /// Where a ray from this point meets the one primitive of the scene again.
 fn again(scene: &Primitives, ray: &Ray, instance: usize) -> f32 {
     let map = &scene.instances[instance].to_object;

@@ -9,6 +9,7 @@
 //! that are not finite miss. Checked: the same hits as a search of all primitives and as the kernel's BVH2 walk.
 
 pub mod build;
+pub mod node;
 pub mod packed;
 pub mod shader_nodes;
 pub mod traverse;

@@ -277,3 +277,295 @@ fn random_scenes_with_quadrics_and_instances() {
         })
         .unwrap();
 }
+
+/// Geometry of the world alone, with its one instance.
+fn world(fill: impl FnOnce(&mut Geometry)) -> Geometry {
+    let mut g = Geometry::default();
+    fill(&mut g);
+    g.close_group();
+    g.place(0, Affine3A::IDENTITY);
+    g
+}
+
+/// Deterministic rays from around towards a box of half this size.
+fn rays_around(size: f32) -> Vec<Ray> {
+    let mut random = Random(1);
+    let mut rays = vec![];
+    for i in 0..400 {
+        let target = random.point() * size;
+        let mut direction = random.point();
+        if i % 5 == 0 {
+            direction[i % 3] = 0.0;
+        }
+        if i % 7 == 0 {
+            direction = Vec3::AXES[i % 3];
+        }
+        let direction = direction.normalize();
+        rays.push(Ray::new(target - direction * (3.0 * size), direction));
+    }
+    rays
+}
+
+/// Numbers in [-1, 1) by a multiplicative generator.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+    }
+
+    fn point(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+#[test]
+fn nothing_to_hit() {
+    let rays = rays_around(1.0);
+    world(|_| ()).check(&rays);
+    let none = Accel::build(Geometry::default().tables(), &[]);
+    assert!(
+        !none
+            .traverse(Geometry::default().tables())
+            .is_occluded(&rays[0])
+    );
+    // An instance of an empty group, and one of a group that does not exist.
+    let mut g = world(|g| g.triangle([Vec3::X, Vec3::Y, Vec3::Z]));
+    g.close_group();
+    g.place(1, Affine3A::IDENTITY);
+    g.check(&rays);
+    g.instances[1].group = 7;
+    let accel = Accel::build(g.tables(), &g.groups);
+    assert_eq!(accel.statistics().primitives, 1);
+}
+
+#[test]
+fn single_primitives() {
+    world(|g| g.triangle([Vec3::X, Vec3::Y, Vec3::Z])).check(&rays_around(1.0));
+    for kind in 0..3 {
+        world(|g| g.quadric(kind, Affine3A::IDENTITY)).check(&rays_around(1.0));
+    }
+}
+
+/// Equal primitives: any of them is the hit.
+#[test]
+fn coincident_primitives() {
+    world(|g| {
+        for _ in 0..2000 {
+            g.triangle([Vec3::X, Vec3::Y, Vec3::Z]);
+            g.quadric(quadric_kind::SPHERE, Affine3A::from_scale(Vec3::splat(0.5)));
+        }
+    })
+    .check(&rays_around(1.0)[..100]);
+}
+
+/// Points and segments in place of triangles are never hit and disturb nothing.
+#[test]
+fn degenerate_triangles() {
+    world(|g| {
+        let mut random = Random(2);
+        for _ in 0..100 {
+            let (a, b) = (random.point(), random.point());
+            g.triangle([a, a, a]);
+            g.triangle([a, b, a]);
+            g.triangle([a, a + (b - a) * 0.5, b]);
+            g.triangle([a, a + b * 0.2, a + random.point() * 0.2]);
+        }
+    })
+    .check(&rays_around(1.0));
+}
+
+/// Coordinates that cannot be traced are left out and counted, and the rest is found.
+#[test]
+fn unusable_coordinates() {
+    let mut g = world(|g| {
+        g.triangle([Vec3::X, Vec3::Y, Vec3::Z]);
+        for bad in [f32::NAN, f32::INFINITY, 1e30] {
+            g.triangle([Vec3::X, Vec3::Y, Vec3::new(0.0, 0.0, bad)]);
+            g.quadric(
+                quadric_kind::SPHERE,
+                Affine3A::from_translation(Vec3::new(bad, 0.0, 0.0)),
+            );
+        }
+    });
+    let statistics = Accel::build(g.tables(), &g.groups).statistics();
+    assert_eq!((statistics.primitives, statistics.skipped), (1, 6));
+    // The search knows nothing of what is left out: only rays that meet the triangle tell.
+    let ray = Ray::new(Vec3::ZERO, Vec3::ONE.normalize());
+    g.positions.truncate(3);
+    g.triangles.truncate(1);
+    g.quadrics.clear();
+    g.groups = vec![GroupRange {
+        triangles: 0..1,
+        quadrics: 0..0,
+    }];
+    g.check(&[ray]);
+    let accel = Accel::build(g.tables(), &g.groups);
+    let tables = g.tables();
+    for bad in [f32::NAN, f32::INFINITY] {
+        for ray in [
+            Ray::new(Vec3::splat(bad), Vec3::X),
+            Ray::new(Vec3::ZERO, Vec3::new(0.0, bad, 1.0)),
+            Ray { t_min: bad, ..ray },
+            Ray {
+                t_max: f32::NAN,
+                ..ray
+            },
+        ] {
+            assert_eq!(accel.traverse(tables).closest_hit(&ray), Hit::MISS);
+            assert!(!accel.traverse(tables).is_occluded(&ray));
+        }
+    }
+    let zero = Ray::new(Vec3::ZERO, Vec3::ZERO);
+    assert_eq!(accel.traverse(tables).closest_hit(&zero), Hit::MISS);
+}
+
+/// From microns to megametres; obvhs's own walk ignores hits nearer than 1e-4.
+#[test]
+fn any_scale() {
+    for scale in [1e-6f32, 1e-3, 1e3, 1e6] {
+        let mut g = world(|g| {
+            let mut random = Random(3);
+            for _ in 0..300 {
+                let a = random.point();
+                g.triangle(
+                    [a, a + random.point() * 0.2, a + random.point() * 0.2].map(|p| p * scale),
+                );
+            }
+            g.quadric(
+                quadric_kind::SPHERE,
+                Affine3A::from_scale(Vec3::splat(scale * 0.3)),
+            );
+        });
+        g.check(&rays_around(scale));
+    }
+}
+
+/// Sizes that span eighty octaves make deep trees: they must fit both stacks.
+#[test]
+fn deep_trees() {
+    let mut g = world(|g| {
+        for i in 0..4000 {
+            let size = 2f32.powf(i as f32 * -0.02);
+            let at = Vec3::X * size;
+            g.triangle([
+                at,
+                at + Vec3::Y * size,
+                at + Vec3::new(0.1, 0.0, 1.0) * size,
+            ]);
+        }
+    });
+    g.check(&rays_around(1.0));
+    let nodes = Accel::build(g.tables(), &g.groups).shader_nodes(g.tables());
+    assert!(depth(&nodes.nodes) <= bvh2::MAX_DEPTH);
+}
+
+fn depth(nodes: &[BvhNode]) -> usize {
+    let mut deepest = 0;
+    let mut stack = vec![(0, 1)];
+    while let Some((index, depth)) = stack.pop() {
+        let node = &nodes[index as usize];
+        deepest = deepest.max(depth);
+        if node.count == 0 {
+            stack.extend([(node.first, depth + 1), (node.first + 1, depth + 1)]);
+        }
+    }
+    deepest
+}
+
+/// A flat grid whose boxes have no thickness and touch along whole numbers: rays straight and slanted at edges, corners
+/// and centres all hit.
+#[test]
+fn flat_grids_do_not_leak() {
+    let n = 24;
+    for axis in 0..3 {
+        let place = |u: usize, v: usize| {
+            let mut p = [0.0; 3];
+            p[axis] = 3.0;
+            p[(axis + 1) % 3] = u as f32 - 12.0;
+            p[(axis + 2) % 3] = v as f32 - 12.0;
+            Vec3::from_array(p)
+        };
+        let mut g = world(|g| {
+            for u in 0..n {
+                for v in 0..n {
+                    let corner = |i, j| place(u + i, v + j);
+                    g.triangle([corner(0, 0), corner(1, 0), corner(1, 1)]);
+                    g.triangle([corner(0, 0), corner(1, 1), corner(0, 1)]);
+                }
+            }
+        });
+        let mut rays = vec![];
+        for u in 1..n {
+            for v in 1..n {
+                for (du, dv) in [(0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5)] {
+                    let mut target = place(u, v);
+                    target[(axis + 1) % 3] += du;
+                    target[(axis + 2) % 3] += dv;
+                    target = target.min(Vec3::splat(11.5));
+                    target[axis] = 3.0;
+                    let up = Vec3::AXES[axis];
+                    rays.push(Ray::new(target - up * 5.0, up));
+                    let slanted = target - Vec3::new(0.3, -2.7, 1.1) - up * 5.0;
+                    rays.push(Ray::new(slanted, (target - slanted).normalize()));
+                    rays.push(Ray::new(slanted, target - slanted));
+                }
+            }
+        }
+        for ray in &rays {
+            assert!(g.search(ray).is_hit());
+        }
+        g.check(&rays);
+    }
+}
+
+/// The three node tests find the same children, up to rounding at the edges of boxes.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn node_tests_agree() {
+    use halflight::accel::node::{Avx2, NodeRay, NodeTest, Portable, Sse2};
+    let mut random = Random(5);
+    let boxes: Vec<_> = (0..3000)
+        .map(|_| {
+            let a = glam::Vec3A::from(random.point());
+            obvhs::aabb::Aabb::from_points(&[a, a + glam::Vec3A::from(random.point()) * 0.1])
+        })
+        .collect();
+    let nodes = obvhs::cwbvh::builder::build_cwbvh(
+        &boxes,
+        obvhs::BvhBuildParams::fast_build(),
+        &mut std::time::Duration::default(),
+    )
+    .nodes;
+    let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+    let (mut tested, mut hits, mut different) = (0, 0, 0);
+    for ray in rays_around(1.0) {
+        let local = NodeRay::new(ray.origin, ray.direction, 0.0);
+        for node in nodes.iter().step_by(7) {
+            let portable = Portable::children(node, &local, 10.0);
+            let mut others = vec![Sse2::children(node, &local, 10.0)];
+            if has_avx2 {
+                others.push(Avx2::children(node, &local, 10.0));
+            }
+            for other in others {
+                tested += 8;
+                hits += portable.hit.count_ones();
+                different += (portable.hit ^ other.hit).count_ones();
+                for k in 0..8 {
+                    if portable.hit & other.hit & (1 << k) != 0 {
+                        let error = (portable.near[k] - other.near[k]).abs();
+                        assert!(error <= 2e-5, "{error}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(
+        hits > 1000 && different * 100_000 < tested,
+        "{different} of {tested}, {hits} hit"
+    );
+}

@@ -8,6 +8,7 @@
 //! boxes that touch. Checked: the same hits as a search of all primitives and as the CPU's tree.
 
 use super::intersect::{ShearedRay, intersect_quadric, intersect_triangle, is_traceable};
+use super::records::NONE;
 use super::traverse::{Hit, Traverse};
 use super::view::Tables;
 use crate::math::affine::{transform_point, transform_vector};
@@ -30,12 +31,16 @@ pub struct BvhNode {
     pub count: u32,
 }
 
-/// Entries of the stack. A tree of depth d needs at most d + 1 entries, plus 2 and the depth of a group's tree when there
-/// are instances; the host builds trees that fit ([`MAX_DEPTH`]).
-pub const STACK_SIZE: usize = 64;
+/// Entries of the stack: one per level of the world's tree and of a group's, and at the bottom of the first the
+/// [`MAX_LEAF`] instances of a leaf, the last of which becomes [`LEAVE`].
+pub const STACK_SIZE: usize = 2 * MAX_DEPTH + MAX_LEAF;
 
-/// The deepest tree, in nodes from its root to a leaf, that host code may lend for the world or for a group.
+/// The deepest tree, in nodes from its root to a leaf, that host code may lend for the world or for a group. What exceeds
+/// the stack in a deeper one is not visited.
 pub const MAX_DEPTH: usize = 30;
+
+/// The most primitives that a leaf of the world's tree may hold.
+pub const MAX_LEAF: usize = 4;
 
 /// Stack entry: the walk leaves the instance.
 const LEAVE: u32 = u32::MAX;
@@ -121,45 +126,48 @@ impl Bvh2Traverse<'_> {
         let mut instance = 0;
         let mut stack = [0u32; STACK_SIZE];
         let mut size = 1;
-        while size > 0 {
-            size -= 1;
-            let entry = stack[size];
-            if entry == LEAVE {
-                local = world;
-                instance = 0;
-                continue;
-            }
-            let mut node_index = entry;
-            if entry & INSTANCE != 0 {
-                instance = entry & !INSTANCE;
-                let record = &self.tables.instances[instance as usize];
-                local = LocalRay::new(
-                    transform_point(&record.to_object, ray.origin),
-                    transform_vector(&record.to_object, ray.direction),
-                );
-                stack[size] = LEAVE;
-                size += 1;
-                node_index = record.root;
-            }
-            if self.enter(node_index, &local, ray.t_min, t_max) == f32::MAX {
+        // The node that is visited next; its box is known to be met. NONE takes the next from the stack.
+        let mut current = NONE;
+        while size > 0 || current != NONE {
+            if current == NONE {
+                size -= 1;
+                let mut entry = stack[size];
+                if entry == LEAVE {
+                    local = world;
+                    instance = 0;
+                    continue;
+                }
+                if entry & INSTANCE != 0 {
+                    instance = entry & !INSTANCE;
+                    let record = &self.tables.instances[instance as usize];
+                    local = LocalRay::new(
+                        transform_point(&record.to_object, ray.origin),
+                        transform_vector(&record.to_object, ray.direction),
+                    );
+                    stack[size] = LEAVE;
+                    size += 1;
+                    entry = record.root;
+                }
+                // The interval may have shrunk since the entry was made.
+                if self.enter(entry, &local, ray.t_min, t_max) < f32::MAX {
+                    current = entry;
+                }
                 continue;
             }
             let (first, count) = {
-                let node = &self.nodes[node_index as usize];
+                let node = &self.nodes[current as usize];
                 (node.first, node.count)
             };
+            current = NONE;
             if count == 0 {
                 let left = self.enter(first, &local, ray.t_min, t_max);
                 let right = self.enter(first + 1, &local, ray.t_min, t_max);
-                let right_first = right < left;
-                let far = if right_first { left } else { right };
-                let near = if right_first { right } else { left };
-                if far < f32::MAX && size < STACK_SIZE {
-                    stack[size] = first + !right_first as u32;
-                    size += 1;
+                let right_first = (right < left) as u32;
+                if left.min(right) < f32::MAX {
+                    current = first + right_first;
                 }
-                if near < f32::MAX && size < STACK_SIZE {
-                    stack[size] = first + right_first as u32;
+                if left.max(right) < f32::MAX && size < STACK_SIZE {
+                    stack[size] = first + 1 - right_first;
                     size += 1;
                 }
                 continue;
@@ -205,7 +213,7 @@ impl Bvh2Traverse<'_> {
                             instance,
                         };
                     }
-                } else if size < STACK_SIZE - 1 {
+                } else if size < STACK_SIZE {
                     stack[size] = INSTANCE | (primitive - quadric_end);
                     size += 1;
                 }

@@ -2,10 +2,13 @@
 //!
 //! **Triangles**: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection". Vertices are translated to the
 //! ray's origin and sheared until the ray is an axis; the signs of three 2D edge functions decide. A shared edge gives
-//! both its triangles the same two products, and rounding is monotonic, so the sign is right or the value is zero; zero
-//! counts as inside on both sides, hence no ray passes between two triangles that share their vertices' positions. Both
-//! sides of a triangle are hit. The distance comes from the triangle's plane, t = n.(p0 - o) / n.d, clamped to the range
-//! of the vertices along the ray: on axis-parallel planes it is exact however far the triangle reaches.
+//! both its triangles the same two products, and rounding is monotonic, so the sign is right or the value is zero. A zero
+//! is computed again from differences of the vertices (where Woop et al. go to double precision), with opposite results
+//! for the two triangles; what is still zero counts as inside on both sides. Hence no ray passes between two triangles that
+//! share their vertices' positions, and no small triangle is hit from afar. Both sides of a triangle are hit. The distance
+//! comes from the triangle's plane, t = n.(p0 - o) / n.d, clamped to the range of the vertices along the ray: on
+//! axis-parallel planes it is exact however far the triangle reaches. (A compiler that fuses the products of an edge
+//! function into one rounding takes the guarantee away, not the accuracy.)
 //!
 //! **Quadrics**: in object space, where the surface is canonical and t keeps its world meaning. The sphere follows
 //! Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection" (Ray Tracing Gems, chapter 7): the
@@ -103,9 +106,14 @@ pub fn intersect_triangle(
     let (ax, ay) = (a.x - ray.shear.x * a.z, a.y - ray.shear.y * a.z);
     let (bx, by) = (b.x - ray.shear.x * b.z, b.y - ray.shear.y * b.z);
     let (cx, cy) = (c.x - ray.shear.x * c.z, c.y - ray.shear.y * c.z);
-    let u = cx * by - cy * bx;
-    let v = ax * cy - ay * cx;
-    let w = bx * ay - by * ax;
+    let mut u = cx * by - cy * bx;
+    let mut v = ax * cy - ay * cx;
+    let mut w = bx * ay - by * ax;
+    if u == 0.0 || v == 0.0 || w == 0.0 {
+        u = nonzero_edge(u, cx, cy, bx, by);
+        v = nonzero_edge(v, ax, ay, cx, cy);
+        w = nonzero_edge(w, bx, by, ax, ay);
+    }
     if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
         return TriangleHit::MISS;
     }
@@ -126,6 +134,17 @@ pub fn intersect_triangle(
         }
     } else {
         TriangleHit::MISS
+    }
+}
+
+/// An edge function, or where rounding has lost it c x b = (c + b) x (b - c) / 2, which keeps what is left of the
+/// difference of nearby vertices. The other triangle at the edge exchanges b and c, which negates every term exactly.
+#[inline]
+fn nonzero_edge(edge: f32, cx: f32, cy: f32, bx: f32, by: f32) -> f32 {
+    if edge == 0.0 {
+        0.5 * ((cx + bx) * (by - cy) - (cy + by) * (bx - cx))
+    } else {
+        edge
     }
 }
 

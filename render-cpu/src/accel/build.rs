@@ -21,7 +21,17 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 pub const MAX_COORDINATE: f32 = 1e15;
 
 /// The deepest binary tree that is accepted from the builder.
-pub const MAX_BINARY_DEPTH: usize = 90;
+pub const MAX_BINARY_DEPTH: usize = 96;
+
+/// The deepest wide tree that the walk's stack has room for.
+pub const MAX_WIDE_DEPTH: usize = 32;
+
+/// Primitives per leaf of a wide tree, at most three.
+const MAX_LEAF: u32 = 3;
+
+/// Fraction of a tree's nodes that one round of reinsertion moves. 0.2 instead of the library's 0.05 costs half the time
+/// of the build and gains 5 to 10 % of the rays per second.
+const REINSERTED: f32 = 0.2;
 
 /// Primitives with their boxes.
 #[derive(Clone, Debug, Default)]
@@ -143,7 +153,10 @@ impl GroupTree {
             };
         }
         let binary = binary_tree(&found.boxes, MAX_BINARY_DEPTH);
-        let wide = bvh2_to_cwbvh(&binary, 3, true, false);
+        let mut wide = bvh2_to_cwbvh(&binary, MAX_LEAF, false, false);
+        if wide_depth(&wide.nodes) > MAX_WIDE_DEPTH {
+            wide = bvh2_to_cwbvh(&median_split_tree(&found.boxes), MAX_LEAF, false, false);
+        }
         GroupTree {
             depth: wide_depth(&wide.nodes),
             primitives: wide
@@ -168,7 +181,7 @@ pub fn binary_tree(boxes: &[Aabb], max_depth: usize) -> Bvh2 {
         3,
     );
     if binary_depth(&tree) <= 2 * max_depth {
-        ReinsertionOptimizer::default().run(&mut tree, 0.05, None);
+        ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
     }
     if binary_depth(&tree) > max_depth {
         tree = median_split_tree(boxes);

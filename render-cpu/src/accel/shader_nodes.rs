@@ -2,7 +2,7 @@
 
 use super::GroupRange;
 use super::build::{binary_tree, primitive_bounds};
-use halflight_kernel::scene::bvh2::MAX_DEPTH;
+use halflight_kernel::scene::bvh2::{MAX_DEPTH, MAX_LEAF};
 use halflight_kernel::scene::{BvhNode, Tables};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -30,7 +30,7 @@ impl ShaderNodes {
             if let Some(root) = tree.nodes.first() {
                 bounds[index] = *root.aabb();
             }
-            collapse(&mut tree, 4, 2.0);
+            collapse(&mut tree, MAX_LEAF as u32, 2.0);
             trees.push((tree, found.primitives));
         }
         let mut result = ShaderNodes {

@@ -1,13 +1,18 @@
-//! The walk over eight-wide compressed nodes.
+//! The walk over eight-wide compressed nodes (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs
+//! Through Compressed Wide BVHs").
 //!
-//! A node stores its children's boxes in bytes on a grid of power-of-two steps (Ylitie, Karras, Laine 2017, "Efficient
-//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"); the ray is moved to the grid instead of the boxes to
-//! the world. The distance to a grid plane, (p - o) / d + q e / d, rounds relative to its two terms, so that both sides of
-//! a box are moved apart by that error: no ray slips between boxes that touch.
+//! The whole walk is compiled twice on x86-64, for every processor and for those with AVX2, which is looked up once when
+//! the traverser is made.
 
+use super::build::MAX_WIDE_DEPTH;
+#[cfg(not(target_arch = "x86_64"))]
+use super::node::Portable;
+#[cfg(target_arch = "x86_64")]
+use super::node::{Avx2, Sse2};
+use super::node::{Children, NodeRay, NodeTest};
 use super::packed::PackedTriangle;
 use super::{Accel, Group};
-use glam::{Vec3, Vec3A, Vec4, Vec4Swizzles};
+use glam::{Vec3, Vec4, Vec4Swizzles};
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::{transform_point, transform_vector};
 use halflight_kernel::scene::intersect::{
@@ -15,26 +20,28 @@ use halflight_kernel::scene::intersect::{
 };
 use halflight_kernel::scene::{Hit, Tables, Traverse};
 use obvhs::cwbvh::node::CwBvhNode;
+use std::mem::MaybeUninit;
 
-/// Node groups that wait: a wide tree of depth d needs at most d.
-const STACK_SIZE: usize = 64;
+/// Nodes that wait: of each node on the way down at most seven children, and all eight of the last.
+const STACK_SIZE: usize = 7 * MAX_WIDE_DEPTH + 1;
 
 /// The ray tracer over an [`Accel`].
 #[derive(Clone, Copy)]
 pub struct CpuTraverse<'a> {
     accel: &'a Accel,
     tables: Tables<'a>,
+    #[cfg(target_arch = "x86_64")]
+    has_avx2: bool,
 }
 
 /// A ray in a group's space with what nodes and triangles need of it.
 struct GroupRay {
+    node: NodeRay,
     sheared: ShearedRay,
     /// Rows of a packed triangle that are x, y and z of the sheared space.
     rows: [usize; 3],
-    origin: Vec3A,
-    inverse: Vec3A,
-    is_negative: [bool; 3],
-    octant: u32,
+    /// The origin's components in those rows.
+    row_origin: [f32; 3],
     t_min: f32,
 }
 
@@ -43,23 +50,12 @@ impl GroupRay {
     fn new(origin: Vec3, direction: Vec3, t_min: f32) -> GroupRay {
         let sheared = ShearedRay::new(origin, direction);
         let axis = sheared.axis as usize;
-        let is_negative = [direction.x < 0.0, direction.y < 0.0, direction.z < 0.0];
+        let rows = [(axis + 1) % 3, (axis + 2) % 3, axis];
         GroupRay {
+            node: NodeRay::new(origin, direction, t_min),
             sheared,
-            rows: [(axis + 1) % 3, (axis + 2) % 3, axis],
-            origin: origin.into(),
-            // Finite, so that no plane distance is zero times infinity.
-            inverse: Vec3A::from(direction.map(|x| {
-                if x.abs() > 1e-18 {
-                    1.0 / x
-                } else {
-                    1e18f32.copysign(x)
-                }
-            })),
-            is_negative,
-            octant: (!is_negative[0] as u32) << 2
-                | (!is_negative[1] as u32) << 1
-                | !is_negative[2] as u32,
+            rows,
+            row_origin: rows.map(|k| origin[k]),
             t_min,
         }
     }
@@ -67,12 +63,19 @@ impl GroupRay {
 
 impl<'a> CpuTraverse<'a> {
     pub(super) fn new(accel: &'a Accel, tables: Tables<'a>) -> CpuTraverse<'a> {
-        CpuTraverse { accel, tables }
+        CpuTraverse {
+            accel,
+            tables,
+            #[cfg(target_arch = "x86_64")]
+            has_avx2: std::env::var("NOAVX").is_err()
+                && is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma"),
+        }
     }
 
     /// The nearest hit, or with `ANY` whichever comes first.
     #[inline(always)]
-    fn trace<const ANY: bool>(&self, ray: &Ray) -> Hit {
+    fn trace<T: NodeTest, const ANY: bool>(&self, ray: &Ray) -> Hit {
         let mut hit = Hit::MISS;
         if !is_traceable(ray) {
             return hit;
@@ -81,11 +84,11 @@ impl<'a> CpuTraverse<'a> {
         let world = GroupRay::new(ray.origin, ray.direction, ray.t_min);
         let group = &self.accel.groups[0];
         if group.is_mixed {
-            walk(&group.nodes, &world, &mut t_max, |slot, t_max| {
-                self.primitive::<ANY, true>(group, slot, &world, ray, 0, t_max, &mut hit)
+            walk::<T, ANY>(&group.nodes, &world, &mut t_max, |slot, t_max| {
+                self.primitive::<T, ANY, true>(group, slot, &world, ray, 0, t_max, &mut hit)
             });
         } else {
-            walk(&group.nodes, &world, &mut t_max, |slot, t_max| {
+            walk::<T, ANY>(&group.nodes, &world, &mut t_max, |slot, t_max| {
                 let found = triangle::<ANY>(group, slot, &world, 0, t_max, &mut hit);
                 ANY && found
             });
@@ -95,7 +98,7 @@ impl<'a> CpuTraverse<'a> {
 
     /// One entry of a leaf of any kind; true stops the walk.
     #[inline(always)]
-    fn primitive<const ANY: bool, const WORLD: bool>(
+    fn primitive<T: NodeTest, const ANY: bool, const WORLD: bool>(
         &self,
         group: &Group,
         slot: usize,
@@ -135,14 +138,14 @@ impl<'a> CpuTraverse<'a> {
         }
         if WORLD {
             let instance = index - self.tables.quadrics.len();
-            return self.enter::<ANY>(instance, ray, t_max, hit);
+            return self.enter::<T, ANY>(instance, ray, t_max, hit);
         }
         false
     }
 
     /// An instance: the walk of its group.
-    #[inline(never)]
-    fn enter<const ANY: bool>(
+    #[inline(always)]
+    fn enter<T: NodeTest, const ANY: bool>(
         &self,
         instance: usize,
         ray: &Ray,
@@ -160,19 +163,54 @@ impl<'a> CpuTraverse<'a> {
         }
         let local = GroupRay::new(origin, direction, ray.t_min);
         let instance = instance as u32;
-        walk(&group.nodes, &local, t_max, |slot, t_max| {
-            self.primitive::<ANY, false>(group, slot, &local, ray, instance, t_max, hit)
+        walk::<T, ANY>(&group.nodes, &local, t_max, |slot, t_max| {
+            self.primitive::<T, ANY, false>(group, slot, &local, ray, instance, t_max, hit)
         })
     }
 }
 
+#[cfg(target_arch = "x86_64")]
+impl CpuTraverse<'_> {
+    #[target_feature(enable = "avx2,fma")]
+    fn closest_avx2(&self, ray: &Ray) -> Hit {
+        self.trace::<Avx2, false>(ray)
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    fn any_avx2(&self, ray: &Ray) -> Hit {
+        self.trace::<Avx2, true>(ray)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
 impl Traverse for CpuTraverse<'_> {
     fn closest_hit(&self, ray: &Ray) -> Hit {
-        self.trace::<false>(ray)
+        if self.has_avx2 {
+            // SAFETY: the processor has the features.
+            unsafe { self.closest_avx2(ray) }
+        } else {
+            self.trace::<Sse2, false>(ray)
+        }
     }
 
     fn is_occluded(&self, ray: &Ray) -> bool {
-        self.trace::<true>(ray).is_hit()
+        if self.has_avx2 {
+            // SAFETY: the processor has the features.
+            unsafe { self.any_avx2(ray) }.is_hit()
+        } else {
+            self.trace::<Sse2, true>(ray).is_hit()
+        }
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl Traverse for CpuTraverse<'_> {
+    fn closest_hit(&self, ray: &Ray) -> Hit {
+        self.trace::<Portable, false>(ray)
+    }
+
+    fn is_occluded(&self, ray: &Ray) -> bool {
+        self.trace::<Portable, true>(ray).is_hit()
     }
 }
 
@@ -188,13 +226,19 @@ fn triangle<const ANY: bool>(
     hit: &mut Hit,
 ) -> bool {
     let triangle = &group.triangles[slot];
-    let row = |k: usize| triangle.axes[ray.rows[k]] - Vec4::splat(ray.origin[ray.rows[k]]);
+    let row = |k: usize| triangle.axes[ray.rows[k]] - Vec4::splat(ray.row_origin[k]);
     let shear = ray.sheared.shear;
     let z = row(2);
     let x = row(0) - Vec4::splat(shear.x) * z;
     let y = row(1) - Vec4::splat(shear.y) * z;
     // u = c x b, v = a x c, w = b x a in the sheared plane.
-    let edges = x.zxyw() * y.yzxw() - y.zxyw() * x.yzxw();
+    let (cx, cy, bx, by) = (x.zxyw(), y.zxyw(), x.yzxw(), y.yzxw());
+    let mut edges = cx * by - cy * bx;
+    let is_zero = edges.cmpeq(Vec4::ZERO);
+    if is_zero.bitmask() & 7 != 0 {
+        let by_differences = ((cx + bx) * (by - cy) - (cy + by) * (bx - cx)) * 0.5;
+        edges = Vec4::select(is_zero, by_differences, edges);
+    }
     let below = edges.cmplt(Vec4::ZERO).bitmask() & 7;
     let above = edges.cmpgt(Vec4::ZERO).bitmask() & 7;
     if below != 0 && above != 0 {
@@ -234,9 +278,10 @@ fn vertices(triangle: &PackedTriangle) -> [Vec3; 3] {
     ]
 }
 
-/// Visits the leaves that the ray meets before `t_max`, roughly front to back, until `visit` returns true.
+/// Visits the primitives in leaves that the ray meets before `t_max` until `visit` returns true, near nodes first unless
+/// with `ANY`.
 #[inline(always)]
-fn walk(
+fn walk<T: NodeTest, const ANY: bool>(
     nodes: &[CwBvhNode],
     ray: &GroupRay,
     t_max: &mut f32,
@@ -245,78 +290,58 @@ fn walk(
     if nodes.is_empty() {
         return false;
     }
-    let mut stack = [(0u32, 0u32); STACK_SIZE];
+    // Only entries below `size` are ever read; they need not be cleared for every ray.
+    let mut stack = [const { MaybeUninit::<(u32, f32)>::uninit() }; STACK_SIZE];
     let mut size = 0;
-    // A group of sibling nodes: the first child, the hit ones by priority in the high byte, the inner ones in the low.
-    let mut group = (0u32, 0x8000_0000u32);
+    let mut node = &nodes[0];
     loop {
-        if group.1 & 0xff00_0000 == 0 {
+        let Children { near, mut hit } = T::children(node, &ray.node, *t_max);
+        let inner = node.imask as u32;
+        let bottom = size;
+        let mut leaves = hit & !inner;
+        hit &= inner;
+        while leaves != 0 {
+            let child = leaves.trailing_zeros();
+            leaves &= leaves - 1;
+            let meta = node.child_meta[child as usize] as u32;
+            let first = node.primitive_base_idx + (meta & 31);
+            // The count is unary in the top bits.
+            for slot in first..first + (meta >> 5).count_ones() {
+                if visit(slot as usize, t_max) {
+                    return true;
+                }
+            }
+        }
+        while hit != 0 {
+            let child = hit.trailing_zeros();
+            hit &= hit - 1;
+            let index = node.child_base_idx + (inner & ((1 << child) - 1)).count_ones();
+            let entry = (index, near[child as usize]);
+            // Sorted in with the nearest on top; for occlusion any order does.
+            let mut at = size;
+            while !ANY && at > bottom {
+                // SAFETY: entries below `size` have been written.
+                let below = unsafe { stack[at - 1].assume_init() };
+                if below.1 >= entry.1 {
+                    break;
+                }
+                stack[at] = stack[at - 1];
+                at -= 1;
+            }
+            stack[at].write(entry);
+            size += 1;
+        }
+        loop {
             if size == 0 {
                 return false;
             }
             size -= 1;
-            group = stack[size];
-        }
-        let priority = 31 - group.1.leading_zeros();
-        group.1 &= !(1 << priority);
-        let slot = (priority - 24) ^ ray.octant;
-        let before = (group.1 & ((1 << slot) - 1) & 0xff).count_ones();
-        let node = &nodes[(group.0 + before) as usize];
-        if group.1 & 0xff00_0000 != 0 && size < STACK_SIZE {
-            stack[size] = group;
-            size += 1;
-        }
-        let hits = intersect_node(node, ray, *t_max);
-        let mut leaves = hits & 0x00ff_ffff;
-        while leaves != 0 {
-            let offset = leaves.trailing_zeros();
-            leaves &= leaves - 1;
-            if visit((node.primitive_base_idx + offset) as usize, t_max) {
-                return true;
+            // SAFETY: entries below the previous `size` have been written.
+            let (index, t) = unsafe { stack[size].assume_init() };
+            if t <= *t_max {
+                node = &nodes[index as usize];
+                break;
             }
         }
-        group = (
-            node.child_base_idx,
-            (hits & 0xff00_0000) | node.imask as u32,
-        );
     }
-}
-
-/// The children that the ray meets: hit inner ones by priority in the high byte, primitives of hit leaves below.
-#[inline(always)]
-fn intersect_node(node: &CwBvhNode, ray: &GroupRay, t_max: f32) -> u32 {
-    let step = node.compute_extent() * ray.inverse;
-    let base = (Vec3A::from(node.p) - ray.origin) * ray.inverse;
-    let error = (base.abs() + step.abs() * 255.0) * 5e-7;
-    let (low, high) = (base - error, base + error);
-    let pick = |k: usize, min: &[u8; 8], max: &[u8; 8]| {
-        if ray.is_negative[k] {
-            (*max, *min)
-        } else {
-            (*min, *max)
-        }
-    };
-    let (near_x, far_x) = pick(0, &node.child_min_x, &node.child_max_x);
-    let (near_y, far_y) = pick(1, &node.child_min_y, &node.child_max_y);
-    let (near_z, far_z) = pick(2, &node.child_min_z, &node.child_max_z);
-    let mut is_hit = [false; 8];
-    for i in 0..8 {
-        let x0 = near_x[i] as f32 * step.x + low.x;
-        let y0 = near_y[i] as f32 * step.y + low.y;
-        let z0 = near_z[i] as f32 * step.z + low.z;
-        let x1 = far_x[i] as f32 * step.x + high.x;
-        let y1 = far_y[i] as f32 * step.y + high.y;
-        let z1 = far_z[i] as f32 * step.z + high.z;
-        let t0 = x0.max(y0).max(z0.max(ray.t_min));
-        let t1 = x1.min(y1).min(z1.min(t_max));
-        is_hit[i] = t0 <= t1;
-    }
-    let (bits, shifts) = node.get_child_and_index_bits(ray.octant * 0x0101_0101);
-    let mut hits = 0;
-    for i in 0..8 {
-        let bits = (bits >> (8 * i)) as u8 as u32;
-        let shift = (shifts >> (8 * i)) as u8 as u32;
-        hits |= if is_hit[i] { bits << shift } else { 0 };
-    }
-    hits
 }

@@ -1,8 +1,8 @@
 //! The binary BVH walk that shaders use.
 //!
 //! One node array holds the world's tree and a subtree per group; a leaf of the world's tree may name instances. The walk
-//! has one stack for both levels: entering an instance pushes [`LEAVE`], transforms the ray (t keeps its world meaning)
-//! and goes on in the group's subtree; popping [`LEAVE`] restores the world's ray. Children are visited nearest first and
+//! has one stack for both levels: entering an instance pushes `LEAVE`, transforms the ray (t keeps its world meaning)
+//! and goes on in the group's subtree; popping `LEAVE` restores the world's ray. Children are visited nearest first and
 //! popped nodes are tested again against the interval, which has shrunk meanwhile. Boxes are tested with a slab test
 //! whose far distance is widened by two roundings (Ize 2013, "Robust BVH Ray Traversal"), so that no ray slips between
 //! boxes that touch. Checked: the same hits as a search of all primitives and as the CPU's tree.
@@ -32,7 +32,7 @@ pub struct BvhNode {
 }
 
 /// Entries of the stack: one per level of the world's tree and of a group's, and at the bottom of the first the
-/// [`MAX_LEAF`] instances of a leaf, the last of which becomes [`LEAVE`].
+/// [`MAX_LEAF`] instances of a leaf, the last of which becomes `LEAVE`.
 pub const STACK_SIZE: usize = 2 * MAX_DEPTH + MAX_LEAF;
 
 /// The deepest tree, in nodes from its root to a leaf, that host code may lend for the world or for a group. What exceeds

@@ -36,7 +36,7 @@ const REINSERTED: f32 = 0.2;
 /// Primitives with their boxes.
 #[derive(Clone, Debug, Default)]
 pub struct PrimitiveBounds {
-    /// What [`super::Group::primitives`] holds.
+    /// Triangles, the number of triangles plus quadrics, or the number of both plus instances.
     pub primitives: Vec<u32>,
     /// Their boxes.
     pub boxes: Vec<Aabb>,

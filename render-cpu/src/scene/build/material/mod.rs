@@ -4,21 +4,19 @@
 //! `twosided` sets on which side they exist, `normalmap` and `bumpmap` give them a perturbed frame. What is left is a
 //! list of lobes, which the kernel walks without recursion.
 
+mod leaf;
+mod parameters;
+
 use super::Builder;
 use super::texture::MeshAttributes;
-use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
-use crate::scene::ior;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::bsdf::MAX_LOBES;
-use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
-use halflight_kernel::bsdf::rough_plastic::{
-    TRANSMITTANCE_ENTRIES, fill_rough_transmittance, rough_internal_reflectance,
-};
 use halflight_kernel::scene::{
-    FrameMap, LobeRecord, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
-    distribution, frame_map_kind, lobe_flag, lobe_kind, material_flag,
+    FrameMap, LobeRecord, Material, NONE, RgbParameter, WeightFactor, frame_map_kind, lobe_flag,
+    lobe_kind, material_flag,
 };
+use parameters::empty_lobe;
 use std::sync::Arc;
 
 /// What the wrappers around a BSDF have decided.
@@ -37,16 +35,8 @@ struct PendingLobe {
     factors: Vec<WeightFactor>,
 }
 
-/// What dielectrics are made of when nothing is said.
-const BK7: &str = "bk7";
-/// What plastics are made of when nothing is said.
-const POLYPROPYLENE: &str = "polypropylene";
-
 /// Deeper nesting is a mistake or an attack.
 const MAX_DEPTH: usize = 32;
-
-/// Roughness below which a microfacet model counts as the smooth one.
-const MIN_ALPHA: f64 = 1e-4;
 
 impl Builder {
     /// The material of a shape: its BSDF, or Mitsuba's default for shapes without one.
@@ -241,181 +231,6 @@ impl Builder {
             factors: context.factors,
         });
     }
-
-    /// A plugin that scatters by itself.
-    fn leaf(
-        &mut self,
-        object: &Arc<Object>,
-        mesh: Option<&MeshAttributes>,
-    ) -> Result<LobeRecord, SceneError> {
-        let mut lobe = empty_lobe(lobe_kind::DIFFUSE);
-        let color = |builder: &mut Builder, name: &str, default: f32| {
-            builder.rgb_parameter(object, name, ColorUse::Reflectance, [default; 3], mesh)
-        };
-        match object.plugin.as_str() {
-            "diffuse" => {
-                let name = if object.has("diffuse_reflectance") {
-                    "diffuse_reflectance"
-                } else {
-                    "reflectance"
-                };
-                lobe.reflectance = color(self, name, 0.5)?;
-            }
-            "conductor" | "roughconductor" => {
-                lobe.kind = lobe_kind::CONDUCTOR;
-                lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
-                self.conductor_index(object, mesh, &mut lobe)?;
-                if object.plugin == "roughconductor" {
-                    lobe.kind = lobe_kind::ROUGH_CONDUCTOR;
-                    self.roughness(object, mesh, &mut lobe)?;
-                }
-            }
-            "dielectric" | "thindielectric" | "roughdielectric" => {
-                lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
-                lobe.specular_transmittance = color(self, "specular_transmittance", 1.0)?;
-                let eta = relative_index(object, BK7)?;
-                lobe.eta = RgbParameter::constant([eta; 3]);
-                lobe.kind = match object.plugin.as_str() {
-                    "dielectric" => lobe_kind::DIELECTRIC,
-                    "thindielectric" => lobe_kind::THIN_DIELECTRIC,
-                    _ => {
-                        self.roughness(object, mesh, &mut lobe)?;
-                        lobe_kind::ROUGH_DIELECTRIC
-                    }
-                };
-            }
-            "plastic" | "roughplastic" => {
-                lobe.kind = lobe_kind::PLASTIC;
-                lobe.reflectance = color(self, "diffuse_reflectance", 0.5)?;
-                lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
-                let eta = relative_index(object, POLYPROPYLENE)?;
-                lobe.eta = RgbParameter::constant([eta; 3]);
-                lobe.internal_reflectance = fresnel_diffuse_reflectance(1.0 / eta);
-                if object.get_bool("nonlinear", false)? {
-                    lobe.flags |= lobe_flag::NONLINEAR;
-                }
-                if object.plugin == "roughplastic" {
-                    lobe.kind = lobe_kind::ROUGH_PLASTIC;
-                    self.roughness(object, mesh, &mut lobe)?;
-                    if lobe.alpha_u.texture != NONE {
-                        return Err(
-                            object.property_error("alpha", "cannot be a texture in roughplastic")
-                        );
-                    }
-                    lobe.table = self.tables.data.len() as u32;
-                    let mut table = [0.0; TRANSMITTANCE_ENTRIES];
-                    fill_rough_transmittance(
-                        lobe.distribution,
-                        lobe.alpha_u.value,
-                        eta,
-                        &mut table,
-                    );
-                    self.tables.data.extend_from_slice(&table);
-                    lobe.internal_reflectance =
-                        rough_internal_reflectance(lobe.distribution, lobe.alpha_u.value, eta);
-                }
-            }
-            "null" => lobe.kind = lobe_kind::NULL,
-            other => {
-                object.warn(format!(
-                    "BSDFs of type \"{other}\" are not supported; a diffuse reflectance of 0.5 is used instead"
-                ))?;
-                lobe.reflectance = RgbParameter::constant([0.5; 3]);
-            }
-        }
-        Ok(lobe)
-    }
-
-    /// `material`, or `eta` and `k`, which may be textures.
-    fn conductor_index(
-        &mut self,
-        object: &Object,
-        mesh: Option<&MeshAttributes>,
-        lobe: &mut LobeRecord,
-    ) -> Result<(), SceneError> {
-        if object.texture("eta").is_some() || object.texture("k").is_some() {
-            lobe.eta = self.rgb_parameter(object, "eta", ColorUse::Unbounded, [0.0; 3], mesh)?;
-            lobe.k = self.rgb_parameter(object, "k", ColorUse::Unbounded, [1.0; 3], mesh)?;
-            return Ok(());
-        }
-        let conductor = ior::get_conductor(object)?;
-        // Mitsuba 0.6 gives the index relative to vacuum and the surroundings apart.
-        let outside = ior::get_dielectric(object, "ext_eta", 1.0)? as f32;
-        lobe.eta = RgbParameter::constant(conductor.eta.map(|eta| eta / outside));
-        lobe.k = RgbParameter::constant(conductor.k.map(|k| k / outside));
-        Ok(())
-    }
-
-    /// `distribution`, `alpha` or `alpha_u` and `alpha_v`.
-    fn roughness(
-        &mut self,
-        object: &Object,
-        mesh: Option<&MeshAttributes>,
-        lobe: &mut LobeRecord,
-    ) -> Result<(), SceneError> {
-        lobe.distribution = match object.get_string("distribution", "beckmann")? {
-            "beckmann" => distribution::BECKMANN,
-            "ggx" => distribution::GGX,
-            other => {
-                object.warn(format!(
-                    "the distribution \"{other}\" is not supported; \"beckmann\" is used instead"
-                ))?;
-                distribution::BECKMANN
-            }
-        };
-        if !object.get_bool("sample_visible", true)? {
-            lobe.flags |= lobe_flag::SAMPLE_ALL_NORMALS;
-        }
-        let alpha = self.scalar_parameter(object, "alpha", 0.1, mesh)?;
-        lobe.alpha_u = if object.has("alpha_u") {
-            self.scalar_parameter(object, "alpha_u", 0.1, mesh)?
-        } else {
-            alpha
-        };
-        lobe.alpha_v = if object.has("alpha_v") {
-            self.scalar_parameter(object, "alpha_v", 0.1, mesh)?
-        } else {
-            alpha
-        };
-        for (name, parameter) in [
-            ("alpha_u", &mut lobe.alpha_u),
-            ("alpha_v", &mut lobe.alpha_v),
-        ] {
-            let named = if object.has(name) { name } else { "alpha" };
-            check_alpha(object, named, parameter)?;
-        }
-        Ok(())
-    }
-}
-
-/// Keeps a constant roughness in the models' domain.
-fn check_alpha(
-    object: &Object,
-    name: &str,
-    parameter: &mut ScalarParameter,
-) -> Result<(), SceneError> {
-    if parameter.texture != NONE {
-        return Ok(());
-    }
-    if parameter.value < 0.0 {
-        return Err(object.property_error(name, "a roughness cannot be negative"));
-    }
-    parameter.value = parameter.value.max(MIN_ALPHA as f32);
-    Ok(())
-}
-
-/// Interior over exterior index of refraction.
-fn relative_index(object: &Object, interior: &str) -> Result<f32, SceneError> {
-    if let Some(eta) = object.opt_float("eta")? {
-        if eta <= 0.0 {
-            return Err(object.property_error("eta", "an index of refraction must be positive"));
-        }
-        return Ok(eta as f32);
-    }
-    let named = |name: &str| ior::dielectric(name).unwrap_or(1.0);
-    let inside = ior::get_dielectric(object, "int_ior", named(interior))?;
-    let outside = ior::get_dielectric(object, "ext_ior", named("air"))?;
-    Ok((inside / outside) as f32)
 }
 
 /// The nested BSDFs of a wrapper, between `least` and `most` of them.
@@ -440,25 +255,4 @@ fn nested_bsdfs(
         )));
     }
     Ok(nested)
-}
-
-/// A lobe with neutral parameters.
-fn empty_lobe(kind: u32) -> LobeRecord {
-    LobeRecord {
-        kind,
-        distribution: distribution::BECKMANN,
-        flags: 0,
-        first_factor: 0,
-        factor_count: 0,
-        frame: NONE,
-        reflectance: RgbParameter::constant([0.0; 3]),
-        specular_reflectance: RgbParameter::constant([1.0; 3]),
-        specular_transmittance: RgbParameter::constant([1.0; 3]),
-        eta: RgbParameter::constant([1.0; 3]),
-        k: RgbParameter::constant([0.0; 3]),
-        alpha_u: ScalarParameter::constant(0.1),
-        alpha_v: ScalarParameter::constant(0.1),
-        table: NONE,
-        internal_reflectance: 0.0,
-    }
 }

@@ -1,0 +1,105 @@
+//! Plugins that scatter by themselves: each becomes one lobe.
+
+use super::parameters::{empty_lobe, relative_index};
+use crate::scene::build::Builder;
+use crate::scene::build::texture::MeshAttributes;
+use crate::scene::color::ColorUse;
+use crate::scene::error::SceneError;
+use crate::scene::xml::Object;
+use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
+use halflight_kernel::bsdf::rough_plastic::{
+    TRANSMITTANCE_ENTRIES, fill_rough_transmittance, rough_internal_reflectance,
+};
+use halflight_kernel::scene::{LobeRecord, NONE, RgbParameter, lobe_flag, lobe_kind};
+use std::sync::Arc;
+
+/// What dielectrics are made of when nothing is said.
+const BK7: &str = "bk7";
+/// What plastics are made of when nothing is said.
+const POLYPROPYLENE: &str = "polypropylene";
+
+impl Builder {
+    /// A plugin that scatters by itself.
+    pub(super) fn leaf(
+        &mut self,
+        object: &Arc<Object>,
+        mesh: Option<&MeshAttributes>,
+    ) -> Result<LobeRecord, SceneError> {
+        let mut lobe = empty_lobe(lobe_kind::DIFFUSE);
+        let color = |builder: &mut Builder, name: &str, default: f32| {
+            builder.rgb_parameter(object, name, ColorUse::Reflectance, [default; 3], mesh)
+        };
+        match object.plugin.as_str() {
+            "diffuse" => {
+                let name = if object.has("diffuse_reflectance") {
+                    "diffuse_reflectance"
+                } else {
+                    "reflectance"
+                };
+                lobe.reflectance = color(self, name, 0.5)?;
+            }
+            "conductor" | "roughconductor" => {
+                lobe.kind = lobe_kind::CONDUCTOR;
+                lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
+                self.conductor_index(object, mesh, &mut lobe)?;
+                if object.plugin == "roughconductor" {
+                    lobe.kind = lobe_kind::ROUGH_CONDUCTOR;
+                    self.roughness(object, mesh, &mut lobe)?;
+                }
+            }
+            "dielectric" | "thindielectric" | "roughdielectric" => {
+                lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
+                lobe.specular_transmittance = color(self, "specular_transmittance", 1.0)?;
+                let eta = relative_index(object, BK7)?;
+                lobe.eta = RgbParameter::constant([eta; 3]);
+                lobe.kind = match object.plugin.as_str() {
+                    "dielectric" => lobe_kind::DIELECTRIC,
+                    "thindielectric" => lobe_kind::THIN_DIELECTRIC,
+                    _ => {
+                        self.roughness(object, mesh, &mut lobe)?;
+                        lobe_kind::ROUGH_DIELECTRIC
+                    }
+                };
+            }
+            "plastic" | "roughplastic" => {
+                lobe.kind = lobe_kind::PLASTIC;
+                lobe.reflectance = color(self, "diffuse_reflectance", 0.5)?;
+                lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
+                let eta = relative_index(object, POLYPROPYLENE)?;
+                lobe.eta = RgbParameter::constant([eta; 3]);
+                lobe.internal_reflectance = fresnel_diffuse_reflectance(1.0 / eta);
+                if object.get_bool("nonlinear", false)? {
+                    lobe.flags |= lobe_flag::NONLINEAR;
+                }
+                if object.plugin == "roughplastic" {
+                    lobe.kind = lobe_kind::ROUGH_PLASTIC;
+                    self.roughness(object, mesh, &mut lobe)?;
+                    if lobe.alpha_u.texture != NONE {
+                        return Err(
+                            object.property_error("alpha", "cannot be a texture in roughplastic")
+                        );
+                    }
+                    lobe.table = self.tables.data.len() as u32;
+                    let mut table = [0.0; TRANSMITTANCE_ENTRIES];
+                    fill_rough_transmittance(
+                        lobe.distribution,
+                        lobe.alpha_u.value,
+                        eta,
+                        &mut table,
+                    );
+                    self.tables.data.extend_from_slice(&table);
+                    lobe.internal_reflectance =
+                        rough_internal_reflectance(lobe.distribution, lobe.alpha_u.value, eta);
+                }
+            }
+            "null" => lobe.kind = lobe_kind::NULL,
+            other => {
+                object.warn(format!(
+                    "BSDFs of type \"{other}\" are not supported; a diffuse reflectance of 0.5 is used instead"
+                ))?;
+                lobe.reflectance = RgbParameter::constant([0.5; 3]);
+            }
+        }
+        Ok(lobe)
+    }
+}

@@ -1,0 +1,171 @@
+//! Scenes of bare geometry, and a search of all their primitives to compare with.
+
+use bytemuck::Zeroable;
+use glam::{Affine3A, Vec3};
+use halflight::accel::{Accel, GroupRange};
+use halflight_kernel::math::affine::{transform_point, transform_vector};
+use halflight_kernel::math::{Ray, vec3};
+use halflight_kernel::scene::intersect::{ShearedRay, intersect_quadric, intersect_triangle};
+use halflight_kernel::scene::*;
+
+/// Owned geometry of a test scene.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    pub positions: Vec<[f32; 3]>,
+    pub triangles: Vec<Triangle>,
+    pub quadrics: Vec<Quadric>,
+    pub instances: Vec<Instance>,
+    pub groups: Vec<GroupRange>,
+}
+
+impl Geometry {
+    pub fn tables(&self) -> Tables<'_> {
+        Tables {
+            positions: &self.positions,
+            normals: &[],
+            uvs: &[],
+            triangles: &self.triangles,
+            quadrics: &self.quadrics,
+            shapes: &[],
+            instances: &self.instances,
+            materials: &[],
+            lobes: &[],
+            factors: &[],
+            frame_maps: &[],
+            textures: &[],
+            texels: &[],
+            data: &[],
+            emitters: &[],
+            camera: Camera::zeroed(),
+            info: SceneInfo::zeroed(),
+        }
+    }
+
+    pub fn triangle(&mut self, points: [Vec3; 3]) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(points.map(|p| p.to_array()));
+        self.triangles.push(Triangle {
+            vertices: [first, first + 1, first + 2],
+            shape: 0,
+        });
+    }
+
+    pub fn quadric(&mut self, kind: u32, to_world: Affine3A) {
+        self.quadrics.push(Quadric {
+            to_world: rows(to_world),
+            to_object: rows(to_world.inverse()),
+            kind,
+            shape: 0,
+        });
+    }
+
+    /// Everything so far from these starts on makes the next group.
+    pub fn close_group(&mut self) {
+        let (triangles, quadrics) = self
+            .groups
+            .last()
+            .map_or((0, 0), |g| (g.triangles.end, g.quadrics.end));
+        self.groups.push(GroupRange {
+            triangles: triangles..self.triangles.len() as u32,
+            quadrics: quadrics..self.quadrics.len() as u32,
+        });
+    }
+
+    pub fn place(&mut self, group: u32, to_world: Affine3A) {
+        self.instances.push(Instance {
+            to_world: rows(to_world),
+            to_object: rows(to_world.inverse()),
+            root: 0,
+            group,
+        });
+    }
+
+    /// The nearest hit by a search of everything, in single precision with the kernel's own intersections.
+    pub fn search(&self, ray: &Ray) -> Hit {
+        let tables = self.tables();
+        let mut hit = Hit::MISS;
+        for (instance, record) in self.instances.iter().enumerate() {
+            let group = &self.groups[record.group as usize];
+            let origin = transform_point(&record.to_object, ray.origin);
+            let direction = transform_vector(&record.to_object, ray.direction);
+            let sheared = ShearedRay::new(origin, direction);
+            for i in group.triangles.clone() {
+                let [a, b, c] = tables.triangles[i as usize]
+                    .vertices
+                    .map(|v| vec3(tables.positions[v as usize]));
+                let t_max = hit.t.min(ray.t_max);
+                let found = intersect_triangle(&sheared, a, b, c, ray.t_min, t_max);
+                if found.t < t_max {
+                    hit = Hit {
+                        t: found.t,
+                        b1: found.b1,
+                        b2: found.b2,
+                        primitive: i,
+                        instance: instance as u32,
+                    };
+                }
+            }
+            for i in group.quadrics.clone() {
+                let q = &tables.quadrics[i as usize];
+                let t = intersect_quadric(
+                    q.kind,
+                    transform_point(&q.to_object, origin),
+                    transform_vector(&q.to_object, direction),
+                    ray.t_min,
+                    hit.t.min(ray.t_max),
+                );
+                if t < hit.t.min(ray.t_max) {
+                    hit = Hit {
+                        t,
+                        b1: 0.0,
+                        b2: 0.0,
+                        primitive: tables.triangles.len() as u32 + i,
+                        instance: instance as u32,
+                    };
+                }
+            }
+        }
+        hit
+    }
+
+    /// Compares the three on one ray; coincident primitives may differ in name but not in distance.
+    pub fn check(&mut self, rays: &[Ray]) {
+        let accel = Accel::build(self.tables(), &self.groups);
+        let nodes = accel.shader_nodes(self.tables());
+        for instance in &mut self.instances {
+            instance.root = nodes.roots[instance.group as usize];
+        }
+        let tables = self.tables();
+        let wide = accel.traverse(tables);
+        let walk = Bvh2Traverse {
+            tables,
+            nodes: &nodes.nodes,
+            primitive_indices: &nodes.primitive_indices,
+        };
+        for ray in rays {
+            let expected = self.search(ray);
+            for (name, hit, occluded) in [
+                ("wide", wide.closest_hit(ray), wide.is_occluded(ray)),
+                ("binary", walk.closest_hit(ray), walk.is_occluded(ray)),
+            ] {
+                assert_eq!(
+                    hit.t, expected.t,
+                    "{name}: {hit:?} {expected:?} along {ray:?}"
+                );
+                assert_eq!(occluded, expected.is_hit(), "{name} along {ray:?}");
+                if hit.primitive == expected.primitive && hit.instance == expected.instance {
+                    assert_eq!(hit, expected, "{name} along {ray:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A map as three rows of four.
+pub fn rows(m: Affine3A) -> [f32; 12] {
+    let (r, t) = (m.matrix3.transpose(), m.translation);
+    [
+        r.x_axis.x, r.x_axis.y, r.x_axis.z, t.x, r.y_axis.x, r.y_axis.y, r.y_axis.z, t.y,
+        r.z_axis.x, r.z_axis.y, r.z_axis.z, t.z,
+    ]
+}

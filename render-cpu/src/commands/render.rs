@@ -19,9 +19,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Seconds between two checkpoints.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
-
 /// Exit code of a run that was interrupted, as shells report SIGINT.
 const EXIT_INTERRUPTED: u8 = 130;
 
@@ -56,9 +53,12 @@ pub struct RenderArgs {
     /// Layers to write beside the image: albedo, normal, depth, position, uv, variance, samples.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_aov)]
     pub aov: Vec<Aov>,
-    /// Save the state of the run here every half minute and when it is interrupted.
+    /// Save the state of the run here now and then, and when it is interrupted.
     #[arg(long, value_name = "FILE")]
     pub checkpoint: Option<PathBuf>,
+    /// Time between two checkpoints.
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = parse_duration)]
+    pub checkpoint_interval: Duration,
     /// Go on from a checkpoint; it is also saved there, unless --checkpoint names another file.
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
@@ -134,6 +134,7 @@ pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + S
             path,
             settings,
             saved: Instant::now(),
+            interval: args.checkpoint_interval,
             passes: state.passes,
         }),
     };
@@ -337,6 +338,7 @@ struct Checkpoint {
     path: PathBuf,
     settings: Settings,
     saved: Instant,
+    interval: Duration,
     passes: u32,
 }
 
@@ -366,7 +368,7 @@ impl Observer for RunObserver {
     ) -> Result<(), Box<dyn Error + Send + Sync>> {
         self.report.update(state, film);
         if let Some(checkpoint) = &mut self.checkpoint
-            && checkpoint.saved.elapsed() >= CHECKPOINT_INTERVAL
+            && checkpoint.saved.elapsed() >= checkpoint.interval
             && let Err(error) = checkpoint.save(state, film)
         {
             // A full disk now may be free again at the end; the film in memory is not given up for it.

@@ -1,0 +1,100 @@
+//! The command `halflight` as its users meet it: exit codes, files, messages.
+
+mod bad_input;
+mod interruption;
+mod rendering;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A small room with a light, a glossy floor and a glass ball.
+pub const SCENE: &str = r#"<scene version="3.0.0">
+    <default name="spp" value="4"/>
+    <integrator type="path"><integer name="max_depth" value="8"/></integrator>
+    <sensor type="perspective">
+        <float name="fov" value="45"/>
+        <transform name="to_world"><lookat origin="0, 1.5, 5" target="0, 0.8, 0" up="0, 1, 0"/></transform>
+        <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
+        <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>
+    </sensor>
+    <shape type="rectangle">
+        <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
+        <bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.4, 0.3, 0.2"/></bsdf>
+    </shape>
+    <shape type="sphere">
+        <point name="center" x="0" y="0.8" z="0"/><float name="radius" value="0.7"/>
+        <bsdf type="dielectric"/>
+    </shape>
+    <shape type="rectangle">
+        <transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
+        <emitter type="area"><rgb name="radiance" value="9, 8, 7"/></emitter>
+    </shape>
+</scene>
+"#;
+
+/// A folder with the scene in it, and the command run there.
+pub struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    pub fn new() -> Place {
+        let place = Place {
+            folder: tempfile::tempdir().expect("a temporary folder"),
+        };
+        place.write("scene.xml", SCENE);
+        place
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), content).expect("a writable folder");
+    }
+
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_halflight"));
+        command.args(arguments).current_dir(self.folder.path());
+        command
+    }
+
+    pub fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the command runs")
+    }
+
+    /// Runs and insists on success; returns standard output.
+    pub fn succeed(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        assert!(
+            output.status.success(),
+            "{arguments:?} failed: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        String::from_utf8(output.stdout).expect("text")
+    }
+
+    /// All channels of an EXR, bit for bit.
+    pub fn channels(&self, name: &str) -> Vec<(String, Vec<u32>)> {
+        read(&self.path(name))
+            .channels
+            .into_iter()
+            .map(|(name, values)| (name, values.into_iter().map(f32::to_bits).collect()))
+            .collect()
+    }
+
+    /// The names of all files in the folder.
+    pub fn files(&self) -> Vec<String> {
+        let mut names: Vec<_> = std::fs::read_dir(self.folder.path())
+            .expect("a folder")
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+pub fn read(path: &Path) -> halflight::image_io::ExrImage {
+    halflight::image_io::read_exr(path).expect("an image")
+}

@@ -89,6 +89,9 @@ pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + S
     }
     let start = Instant::now();
     let scene = args.scene.load()?;
+    for warning in &scene.warnings {
+        tracing::warn!("{warning}");
+    }
     let accel = build_accel(&scene);
     tracing::info!(
         "{}: {} triangles, {} emitters, ready in {:.2} s",

@@ -9,7 +9,7 @@ fn rejected(place: &Place, scene: &str, arguments: &[&str]) -> String {
     all.extend(arguments);
     let output = place.run(&all);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert_eq!(output.status.code(), Some(1), "{scene}\n{message}");
     assert!(!message.contains("panicked"), "{message}");
     assert!(!place.path("bad.exr").exists() && !place.path("bad.png").exists());
     let errors: Vec<_> = message.lines().filter(|l| l.starts_with("error: ")).collect();
@@ -74,7 +74,7 @@ fn meshes_and_images() {
         ("serialized", "short.serialized"),
     ] {
         let error = rejected(&place, &mesh(plugin, file), &[]);
-        assert!(error.contains(file) && error.contains("bad.xml:15"), "{error}");
+        assert!(error.contains(file) && error.contains("bad.xml:14"), "{error}");
     }
     let lit = SCENE.replace(
         "</scene>",

@@ -38,6 +38,7 @@ pub struct Place {
 }
 
 impl Place {
+    /// A new folder.
     pub fn new() -> Place {
         let place = Place {
             folder: tempfile::tempdir().expect("a temporary folder"),
@@ -46,20 +47,24 @@ impl Place {
         place
     }
 
+    /// A file in it.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
+    /// Writes a file in it.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), content).expect("a writable folder");
     }
 
+    /// The command, to be run in it.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_halflight"));
         command.args(arguments).current_dir(self.folder.path());
         command
     }
 
+    /// Runs the command.
     pub fn run(&self, arguments: &[&str]) -> Output {
         self.command(arguments).output().expect("the command runs")
     }
@@ -95,6 +100,7 @@ impl Place {
     }
 }
 
+/// Reads an image.
 pub fn read(path: &Path) -> halflight::image_io::ExrImage {
     halflight::image_io::read_exr(path).expect("an image")
 }

@@ -12,7 +12,7 @@ use crate::scene::transform;
 use crate::scene::xml::{Object, ObjectKind};
 use glam::{DMat3, DMat4, DVec3};
 use halflight_kernel::scene::{
-    Instance, NONE, Quadric, Shape, Triangle, emitter_kind, material_flag, scene_flag, shape_flag,
+    Instance, NONE, Quadric, Shape, Triangle, emitter_kind, quadric_kind, material_flag, scene_flag, shape_flag,
 };
 use std::sync::Arc;
 
@@ -208,6 +208,7 @@ impl Builder {
         to_world: DMat4,
         in_world: bool,
     ) -> Result<(), SceneError> {
+        let placed = to_world;
         let (to_world, to_object) = transform::rows_and_inverse(&to_world)
             .map_err(|e| object.property_error("to_world", e.to_string()))?;
         let quadric = self.tables.quadrics.len() as u32;
@@ -217,7 +218,11 @@ impl Builder {
             kind,
             shape: self.tables.shapes.len() as u32,
         });
-        let flags = self.shape_flags(object)?;
+        let mut flags = self.shape_flags(object)?;
+        // A mirrored sphere keeps its outside outside; Mitsuba turns it inside out, and files rely on that.
+        if kind == quadric_kind::SPHERE && transform::flips_orientation(&placed) {
+            flags ^= shape_flag::FLIP_NORMALS;
+        }
         self.push_shape(
             object,
             Shape {
@@ -281,6 +286,9 @@ impl Builder {
 
 /// Moves a mesh into the world (or its group's space) and gives it the normals that it shall have there.
 fn transform_mesh(object: &Object, mesh: &mut Mesh, to_world: DMat4) -> Result<(), SceneError> {
+    let normal_to_world = transform::inverse(&to_world)
+        .map(|inverse| DMat3::from_mat4(inverse).transpose())
+        .map_err(|e| object.property_error("to_world", e.to_string()))?;
     let wide = |v: &[f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
     for p in &mut mesh.positions {
         let moved = to_world.transform_point3(wide(p)).as_vec3();
@@ -295,9 +303,6 @@ fn transform_mesh(object: &Object, mesh: &mut Mesh, to_world: DMat4) -> Result<(
         // Angles are those in the world, so this comes after the transform.
         mesh.compute_vertex_normals();
     } else {
-        let normal_to_world = transform::inverse(&to_world)
-            .map(|inverse| DMat3::from_mat4(inverse).transpose())
-            .map_err(|e| object.property_error("to_world", e.to_string()))?;
         for n in &mut mesh.normals {
             *n = (normal_to_world * wide(n))
                 .normalize_or_zero()

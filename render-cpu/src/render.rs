@@ -7,8 +7,8 @@
 
 use crate::accel::Accel;
 use crate::adaptive;
-use crate::aov::AovSample;
-use crate::film::{Film, FilmTile};
+use crate::aov::{AovSample, AovSet};
+use crate::film::{Film, FilmError, FilmTile};
 use crate::scene::build::Scene;
 use halflight_kernel::sampler::AnySampler;
 use halflight_kernel::scene::SceneView;
@@ -77,6 +77,48 @@ pub trait Observer {
         state: &RunState,
         film: &Film,
     ) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
+}
+
+/// An observer that looks away.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoObserver;
+
+impl Observer for NoObserver {
+    fn after_pass(
+        &mut self,
+        _: &RunState,
+        _: &Film,
+    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(())
+    }
+}
+
+/// Renders a scene from nothing to its goal: the short way for library users.
+///
+/// # Errors
+/// If the film cannot be made.
+pub fn render_film(
+    scene: &Scene,
+    options: &RenderOptions,
+    aovs: AovSet,
+) -> Result<Film, FilmError> {
+    let camera = &scene.tables.camera;
+    let [width, height] = camera.crop_size;
+    let mut film = Film::new(width, height, camera.crop_offset, aovs)?;
+    let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+    let mut state = RunState::default();
+    let never = AtomicBool::new(false);
+    // Nothing else can fail: the observer does not.
+    let _ = render(
+        scene,
+        &accel,
+        options,
+        &mut film,
+        &mut state,
+        &never,
+        &mut NoObserver,
+    );
+    Ok(film)
 }
 
 /// Renders passes into `film` until the goal or until `stop` is set.

@@ -12,7 +12,10 @@ fn rejected(place: &Place, scene: &str, arguments: &[&str]) -> String {
     assert_eq!(output.status.code(), Some(1), "{scene}\n{message}");
     assert!(!message.contains("panicked"), "{message}");
     assert!(!place.path("bad.exr").exists() && !place.path("bad.png").exists());
-    let errors: Vec<_> = message.lines().filter(|l| l.starts_with("error: ")).collect();
+    let errors: Vec<_> = message
+        .lines()
+        .filter(|l| l.starts_with("error: "))
+        .collect();
     assert_eq!(errors.len(), 1, "{message}");
     errors[0].to_string()
 }
@@ -35,20 +38,59 @@ fn scene_files() {
     let place = Place::new();
     let cases: &[(&str, String, &[&str])] = &[
         ("malformed XML", SCENE.replace("</scene>", ""), &["bad.xml"]),
-        ("no sensor", "<scene version=\"3.0.0\"></scene>".into(), &["no sensor"]),
-        ("a word for a number", SCENE.replace("value=\"45\"", "value=\"wide\""), &["bad.xml:5", "fov"]),
-        ("a missing parameter", SCENE.replace("\"$spp\"", "\"$samples\""), &["bad.xml:7", "samples"]),
-        ("a dangling reference", SCENE.replace("<bsdf type=\"dielectric\"/>", "<ref id=\"glass\"/>"), &["glass"]),
-        ("an absurd size", SCENE.replace("value=\"24\"", "value=\"4000000000\""), &["width"]),
-        ("a singular transform", SCENE.replace("<scale value=\"4\"/>", "<scale x=\"0\" y=\"1\" z=\"1\"/>"), &["to_world"]),
-        ("a negative radius", SCENE.replace("value=\"0.7\"", "value=\"-0.7\""), &["radius"]),
-        ("not a number", SCENE.replace("value=\"0.7\"", "value=\"NaN\""), &["radius"]),
-        ("an endless include", SCENE.replace("</scene>", "<include filename=\"bad.xml\"/></scene>"), &["bad.xml"]),
+        (
+            "no sensor",
+            "<scene version=\"3.0.0\"></scene>".into(),
+            &["no sensor"],
+        ),
+        (
+            "a word for a number",
+            SCENE.replace("value=\"45\"", "value=\"wide\""),
+            &["bad.xml:5", "fov"],
+        ),
+        (
+            "a missing parameter",
+            SCENE.replace("\"$spp\"", "\"$samples\""),
+            &["bad.xml:7", "samples"],
+        ),
+        (
+            "a dangling reference",
+            SCENE.replace("<bsdf type=\"dielectric\"/>", "<ref id=\"glass\"/>"),
+            &["glass"],
+        ),
+        (
+            "an absurd size",
+            SCENE.replace("value=\"24\"", "value=\"4000000000\""),
+            &["width"],
+        ),
+        (
+            "a singular transform",
+            SCENE.replace("<scale value=\"4\"/>", "<scale x=\"0\" y=\"1\" z=\"1\"/>"),
+            &["to_world"],
+        ),
+        (
+            "a negative radius",
+            SCENE.replace("value=\"0.7\"", "value=\"-0.7\""),
+            &["radius"],
+        ),
+        (
+            "not a number",
+            SCENE.replace("value=\"0.7\"", "value=\"NaN\""),
+            &["radius"],
+        ),
+        (
+            "an endless include",
+            SCENE.replace("</scene>", "<include filename=\"bad.xml\"/></scene>"),
+            &["bad.xml"],
+        ),
     ];
     for (what, scene, parts) in cases {
         let error = rejected(&place, scene, &[]);
         for part in *parts {
-            assert!(error.contains(part), "{what}: \"{part}\" is missing in {error}");
+            assert!(
+                error.contains(part),
+                "{what}: \"{part}\" is missing in {error}"
+            );
         }
     }
     let missing = place.run(&["render", "nowhere.xml"]);
@@ -74,7 +116,10 @@ fn meshes_and_images() {
         ("serialized", "short.serialized"),
     ] {
         let error = rejected(&place, &mesh(plugin, file), &[]);
-        assert!(error.contains(file) && error.contains("bad.xml:14"), "{error}");
+        assert!(
+            error.contains(file) && error.contains("bad.xml:14"),
+            "{error}"
+        );
     }
     let lit = SCENE.replace(
         "</scene>",
@@ -122,6 +167,9 @@ fn unknown_plugins_warn_or_stop() {
         let output = place.run(&["render", "bad.xml", "-o", "lenient.exr"]);
         assert!(output.status.success());
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(message.contains("not supported") && message.contains("bad.xml:"), "{message}");
+        assert!(
+            message.contains("not supported") && message.contains("bad.xml:"),
+            "{message}"
+        );
     }
 }

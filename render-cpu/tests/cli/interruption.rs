@@ -8,7 +8,11 @@ use std::time::{Duration, Instant};
 fn wait_for(path: &std::path::Path) {
     let start = Instant::now();
     while !path.exists() {
-        assert!(start.elapsed() < Duration::from_secs(60), "{} never appeared", path.display());
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "{} never appeared",
+            path.display()
+        );
         std::thread::sleep(Duration::from_millis(20));
     }
 }
@@ -19,8 +23,18 @@ fn killed_and_resumed(signal: &str, extra: &[&str]) {
     let place = Place::new();
     let checkpoint = place.path("run.checkpoint");
     let mut arguments = vec![
-        "render", "scene.xml", "-o", "out.exr", "--spp", "1000000", "--aov", "variance,normal", "--checkpoint",
-        "run.checkpoint", "--checkpoint-interval", "0.1s",
+        "render",
+        "scene.xml",
+        "-o",
+        "out.exr",
+        "--spp",
+        "1000000",
+        "--aov",
+        "variance,normal",
+        "--checkpoint",
+        "run.checkpoint",
+        "--checkpoint-interval",
+        "0.1s",
     ];
     arguments.extend(extra);
     let mut child = place
@@ -36,7 +50,10 @@ fn killed_and_resumed(signal: &str, extra: &[&str]) {
     assert!(killed.success());
     let status = child.wait().expect("an exit status");
     if signal == "-KILL" {
-        assert!(!place.path("out.exr").exists(), "a killed run left an image");
+        assert!(
+            !place.path("out.exr").exists(),
+            "a killed run left an image"
+        );
     } else {
         assert_eq!(status.code(), Some(130));
         assert!(read(&place.path("out.exr")).channel("R").is_some());
@@ -52,14 +69,25 @@ fn killed_and_resumed(signal: &str, extra: &[&str]) {
     .next_sample;
     let total = (done + 5).to_string();
     let finish = |more: &[&str]| {
-        let mut arguments = vec!["render", "scene.xml", "--spp", &total, "--aov", "variance,normal", "--no-png"];
+        let mut arguments = vec![
+            "render",
+            "scene.xml",
+            "--spp",
+            &total,
+            "--aov",
+            "variance,normal",
+            "--no-png",
+        ];
         arguments.extend(extra);
         arguments.extend(more);
         place.succeed(&arguments);
     };
     finish(&["-o", "resumed.exr", "--resume", "run.checkpoint"]);
     finish(&["-o", "straight.exr"]);
-    assert_eq!(place.channels("resumed.exr"), place.channels("straight.exr"));
+    assert_eq!(
+        place.channels("resumed.exr"),
+        place.channels("straight.exr")
+    );
 }
 
 #[test]
@@ -80,14 +108,37 @@ fn an_adaptive_run_resumes_to_the_same_bits() {
 #[test]
 fn a_checkpoint_of_another_run_is_refused() {
     let place = Place::new();
-    place.succeed(&["render", "scene.xml", "-o", "a.exr", "--checkpoint", "a.checkpoint"]);
-    let other = place.run(&["render", "scene.xml", "-o", "b.exr", "--resume", "a.checkpoint", "--seed", "9"]);
+    place.succeed(&[
+        "render",
+        "scene.xml",
+        "-o",
+        "a.exr",
+        "--checkpoint",
+        "a.checkpoint",
+    ]);
+    let other = place.run(&[
+        "render",
+        "scene.xml",
+        "-o",
+        "b.exr",
+        "--resume",
+        "a.checkpoint",
+        "--seed",
+        "9",
+    ]);
     assert_eq!(other.status.code(), Some(1));
     let message = String::from_utf8_lossy(&other.stderr).into_owned();
     assert!(message.contains("seed is 0 there and 9 here"), "{message}");
     assert!(!place.path("b.exr").exists());
     let whole = std::fs::read(place.path("a.checkpoint")).expect("a checkpoint");
     place.write("short.checkpoint", &whole[..whole.len() - 9]);
-    let short = place.run(&["render", "scene.xml", "-o", "b.exr", "--resume", "short.checkpoint"]);
+    let short = place.run(&[
+        "render",
+        "scene.xml",
+        "-o",
+        "b.exr",
+        "--resume",
+        "short.checkpoint",
+    ]);
     assert_eq!(short.status.code(), Some(1));
 }

@@ -6,20 +6,43 @@ use super::{Place, SCENE, read};
 fn an_image_has_its_layers_metadata_and_a_picture() {
     let place = Place::new();
     place.succeed(&[
-        "render", "scene.xml", "-o", "out.exr", "--seed", "7", "--aov",
-        "albedo,normal,depth,position,uv,variance,samples", "-D", "spp=6",
+        "render",
+        "scene.xml",
+        "-o",
+        "out.exr",
+        "--seed",
+        "7",
+        "--aov",
+        "albedo,normal,depth,position,uv,variance,samples",
+        "-D",
+        "spp=6",
     ]);
     assert_eq!(place.files(), ["out.exr", "out.png", "scene.xml"]);
     let image = read(&place.path("out.exr"));
     assert_eq!((image.width, image.height), (24, 16));
     for name in [
-        "R", "G", "B", "albedo.R", "normal.Z", "depth.Z", "position.X", "uv.U", "variance.G", "samples",
+        "R",
+        "G",
+        "B",
+        "albedo.R",
+        "normal.Z",
+        "depth.Z",
+        "position.X",
+        "uv.U",
+        "variance.G",
+        "samples",
     ] {
-        let channel = image.channel(name).unwrap_or_else(|| panic!("no channel {name}"));
+        let channel = image
+            .channel(name)
+            .unwrap_or_else(|| panic!("no channel {name}"));
         assert!(channel.iter().all(|v| v.is_finite()), "{name}");
         assert!(channel.iter().any(|v| *v != 0.0), "{name} is all zero");
     }
-    assert!(image.channel("samples").is_some_and(|s| s.iter().all(|&n| n == 6.0)));
+    assert!(
+        image
+            .channel("samples")
+            .is_some_and(|s| s.iter().all(|&n| n == 6.0))
+    );
     assert_eq!(image.attribute("scene"), Some("scene.xml"));
     assert_eq!(image.attribute("seed"), Some("7"));
     assert_eq!(image.attribute("spp"), Some("6"));
@@ -32,7 +55,15 @@ fn an_image_has_its_layers_metadata_and_a_picture() {
 fn an_image_does_not_depend_on_threads() {
     let place = Place::new();
     for (threads, name) in [("1", "one.exr"), ("3", "three.exr")] {
-        place.succeed(&["render", "scene.xml", "-o", name, "--threads", threads, "--no-png"]);
+        place.succeed(&[
+            "render",
+            "scene.xml",
+            "-o",
+            name,
+            "--threads",
+            threads,
+            "--no-png",
+        ]);
     }
     assert_eq!(place.channels("one.exr"), place.channels("three.exr"));
     assert!(!place.path("one.png").exists());
@@ -48,7 +79,14 @@ fn size_width_and_crop_choose_pixels() {
     assert_eq!(read(&place.path("s.exr")).height, 20);
     // A crop holds the very pixels of the whole image, away from its own edge, where the filter is cut.
     place.succeed(&["render", "scene.xml", "-o", "all.exr"]);
-    place.succeed(&["render", "scene.xml", "-o", "part.exr", "--crop", "4,3,12,10"]);
+    place.succeed(&[
+        "render",
+        "scene.xml",
+        "-o",
+        "part.exr",
+        "--crop",
+        "4,3,12,10",
+    ]);
     let (all, part) = (read(&place.path("all.exr")), read(&place.path("part.exr")));
     assert_eq!((part.width, part.height), (12, 10));
     let (all, part) = (all.channel("R").unwrap(), part.channel("R").unwrap());
@@ -64,18 +102,34 @@ fn parts_of_the_samples_merge_to_the_whole() {
     let place = Place::new();
     let render = |samples: &str, out: &str| {
         place.succeed(&[
-            "render", "scene.xml", "-o", out, "--samples", samples, "--aov", "variance,albedo", "--no-png",
+            "render",
+            "scene.xml",
+            "-o",
+            out,
+            "--samples",
+            samples,
+            "--aov",
+            "variance,albedo",
+            "--no-png",
         ]);
     };
     render("0..5", "a.exr");
     render("5..12", "b.exr");
     render("0..12", "whole.exr");
     place.succeed(&["merge", "a.exr", "b.exr", "-o", "merged.exr"]);
-    let (merged, whole) = (read(&place.path("merged.exr")), read(&place.path("whole.exr")));
+    let (merged, whole) = (
+        read(&place.path("merged.exr")),
+        read(&place.path("whole.exr")),
+    );
     for (name, values) in &whole.channels {
-        let other = merged.channel(name).unwrap_or_else(|| panic!("no channel {name}"));
+        let other = merged
+            .channel(name)
+            .unwrap_or_else(|| panic!("no channel {name}"));
         for (a, b) in values.iter().zip(other) {
-            assert!((a - b).abs() <= 1e-5 * a.abs().max(1e-3), "{name}: {a} against {b}");
+            assert!(
+                (a - b).abs() <= 1e-5 * a.abs().max(1e-3),
+                "{name}: {a} against {b}"
+            );
         }
     }
     // The same samples twice are not independent.
@@ -89,23 +143,59 @@ fn comparison_fails_above_a_threshold() {
     let place = Place::new();
     for seed in ["1", "2"] {
         let out = format!("{seed}.exr");
-        place.succeed(&["render", "scene.xml", "-o", &out, "--seed", seed, "--spp", "16", "--aov", "variance"]);
+        place.succeed(&[
+            "render",
+            "scene.xml",
+            "-o",
+            &out,
+            "--seed",
+            seed,
+            "--spp",
+            "16",
+            "--aov",
+            "variance",
+        ]);
     }
     let text = place.succeed(&["compare", "1.exr", "2.exr", "--heatmap", "heat.png"]);
     for metric in ["mse", "psnr", "ssim", "flip", "z-test"] {
-        assert!(text.to_lowercase().contains(metric), "{metric} is missing in {text}");
+        assert!(
+            text.to_lowercase().contains(metric),
+            "{metric} is missing in {text}"
+        );
     }
     assert!(place.path("heat.png").exists());
-    assert_eq!(place.run(&["compare", "1.exr", "2.exr", "--fail-above", "mse=0"]).status.code(), Some(1));
-    assert_eq!(place.run(&["compare", "1.exr", "1.exr", "--fail-above", "mse=0"]).status.code(), Some(0));
+    assert_eq!(
+        place
+            .run(&["compare", "1.exr", "2.exr", "--fail-above", "mse=0"])
+            .status
+            .code(),
+        Some(1)
+    );
+    assert_eq!(
+        place
+            .run(&["compare", "1.exr", "1.exr", "--fail-above", "mse=0"])
+            .status
+            .code(),
+        Some(0)
+    );
 }
 
 #[test]
 fn adaptive_sampling_moves_samples_and_keeps_their_number() {
     let place = Place::new();
-    place.succeed(&["render", "scene.xml", "-o", "a.exr", "--adaptive", "--spp", "48"]);
+    place.succeed(&[
+        "render",
+        "scene.xml",
+        "-o",
+        "a.exr",
+        "--adaptive",
+        "--spp",
+        "48",
+    ]);
     let image = read(&place.path("a.exr"));
-    let samples = image.channel("samples").expect("the layer of sample counts");
+    let samples = image
+        .channel("samples")
+        .expect("the layer of sample counts");
     let total: f64 = samples.iter().map(|&n| f64::from(n)).sum();
     assert_eq!(total, 48.0 * 24.0 * 16.0);
     let most = samples.iter().copied().fold(0.0, f32::max);
@@ -146,13 +236,27 @@ fn every_example_scene_renders_without_a_warning() {
         }
         count += 1;
         let output = place.run(&[
-            "render", path.to_str().expect("text"), "-o", "e.exr", "--spp", "1", "--width", "48", "--strict",
+            "render",
+            path.to_str().expect("text"),
+            "-o",
+            "e.exr",
+            "--spp",
+            "1",
+            "--width",
+            "48",
+            "--strict",
         ]);
         let errors = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{}: {errors}", path.display());
         assert!(!errors.contains("WARN"), "{}: {errors}", path.display());
         let image = read(&place.path("e.exr"));
-        assert!(image.channel("G").is_some_and(|g| g.iter().any(|&v| v > 0.0)), "{}", path.display());
+        assert!(
+            image
+                .channel("G")
+                .is_some_and(|g| g.iter().any(|&v| v > 0.0)),
+            "{}",
+            path.display()
+        );
     }
     assert!(count >= 5, "only {count} example scenes");
 }

@@ -32,7 +32,8 @@ impl Builder {
                 "directional" => self.add_directional(object)?,
                 "constant" => self.add_constant(object)?,
                 "envmap" => self.add_environment(object)?,
-                // Mitsuba ignores an area light that belongs to no shape as well.
+                // A definition for shapes to refer to.
+                "area" if object.id.is_some() => {}
                 "area" => object.warn("an area emitter needs a shape around it; it is left out")?,
                 other => object.warn(format!(
                     "emitters of type \"{other}\" are not supported; it is left out"

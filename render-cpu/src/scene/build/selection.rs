@@ -11,7 +11,14 @@ impl Builder {
     /// Fills in what depends on the scene as a whole.
     pub(super) fn finish(&mut self, root: &Object) -> Result<(), SceneError> {
         // Definitions at the top are there to be referred to; one that nothing uses is no mistake.
-        for kind in [ObjectKind::Bsdf, ObjectKind::Texture, ObjectKind::Spectrum] {
+        for kind in [
+            ObjectKind::Bsdf,
+            ObjectKind::Texture,
+            ObjectKind::Spectrum,
+            ObjectKind::Sampler,
+            ObjectKind::RFilter,
+            ObjectKind::Film,
+        ] {
             root.children_of(kind).for_each(drop);
         }
         self.bound();

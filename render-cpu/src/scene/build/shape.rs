@@ -12,7 +12,8 @@ use crate::scene::transform;
 use crate::scene::xml::{Object, ObjectKind};
 use glam::{DMat3, DMat4, DVec3};
 use halflight_kernel::scene::{
-    Instance, NONE, Quadric, Shape, Triangle, emitter_kind, quadric_kind, material_flag, scene_flag, shape_flag,
+    Instance, NONE, Quadric, Shape, Triangle, emitter_kind, material_flag, quadric_kind,
+    scene_flag, shape_flag,
 };
 use std::sync::Arc;
 

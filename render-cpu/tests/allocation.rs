@@ -1,0 +1,85 @@
+//! Nothing inside a pixel's work allocates.
+
+use halflight::accel::Accel;
+use halflight::scene::build::{BuildOptions, build_scene};
+use halflight::scene::xml::parse_scene;
+use halflight_kernel::sampler::AnySampler;
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::transport::{self, aov, integrator_kind};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Counts the allocations of the whole program.
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call is handed to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promises are those that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// One test, because the counter belongs to the whole program.
+#[test]
+fn no_sample_of_any_integrator_allocates() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    for name in [
+        "cornell-box",
+        "glass-sphere",
+        "ring",
+        "door-ajar",
+        "material-ball",
+    ] {
+        let parsed =
+            parse_scene(&folder.join(name).with_extension("xml"), &[], true).expect("a scene");
+        let scene = build_scene(&parsed, &BuildOptions::default()).expect("tables");
+        let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+        let tables = scene.tables.view();
+        let traverse = accel.traverse(tables);
+        let view = SceneView {
+            tables,
+            traverse: &traverse,
+        };
+        let [width, height] = tables.camera.crop_size;
+        for kind in [
+            integrator_kind::PATH,
+            integrator_kind::DIRECT,
+            integrator_kind::AMBIENT_OCCLUSION,
+        ] {
+            let mut settings = scene.settings;
+            settings.kind = kind;
+            let start = ALLOCATIONS.load(Ordering::Relaxed);
+            for i in 0..2000 {
+                let pixel = [i * 7919 % width, i * 104_729 % height];
+                for sampler in 0..2 {
+                    let sampler = AnySampler::new(sampler, 1, i, 0);
+                    let mut first = sampler;
+                    let radiance = transport::sample_pixel(&view, &settings, &mut first, pixel);
+                    assert!(radiance.is_finite(), "{name}: {radiance} at {pixel:?}");
+                    let mut second = sampler;
+                    aov::sample_pixel(&view, &mut second, pixel);
+                }
+            }
+            let made = ALLOCATIONS.load(Ordering::Relaxed) - start;
+            assert_eq!(made, 0, "{name}, integrator {kind}");
+        }
+    }
+    assert!(
+        ALLOCATIONS.load(Ordering::Relaxed) > before,
+        "the counter counts nothing"
+    );
+}

@@ -1,8 +1,8 @@
 //! How much two images differ: one metric per file.
 //!
 //! The second image is always the reference. Metrics on radiance ([`mse`], [`relative_mse`], [`residual_rms`],
-//! [`mod@flip::hdr_flip`], [`ztest`]) see the values as they are; those that are defined for display images ([`psnr`],
-//! [`ssim`], [`mod@flip::ldr_flip`]) see them at exposure 0, clamped to [0, 1] and, where the definition asks for it, sRGB
+//! `flip::hdr_flip`, [`ztest`]) see the values as they are; those that are defined for display images ([`psnr`],
+//! [`ssim`], `flip::ldr_flip`) see them at exposure 0, clamped to [0, 1] and, where the definition asks for it, sRGB
 //! encoded.
 
 mod convolution;

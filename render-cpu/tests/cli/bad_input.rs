@@ -35,7 +35,7 @@ fn mesh(plugin: &str, file: &str) -> String {
 
 #[test]
 fn scene_files() {
-    let place = Place::new();
+    let place = Place::with_scene();
     let cases: &[(&str, String, &[&str])] = &[
         ("malformed XML", SCENE.replace("</scene>", ""), &["bad.xml"]),
         (
@@ -100,7 +100,7 @@ fn scene_files() {
 
 #[test]
 fn meshes_and_images() {
-    let place = Place::new();
+    let place = Place::with_scene();
     place.write("empty.obj", "");
     place.write("nan.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n");
     place.write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
@@ -130,7 +130,7 @@ fn meshes_and_images() {
 
 #[test]
 fn requests() {
-    let place = Place::new();
+    let place = Place::with_scene();
     for arguments in [
         &["--crop", "20,0,10,4"][..],
         &["--size", "0x10"],
@@ -156,7 +156,7 @@ fn requests() {
 
 #[test]
 fn unknown_plugins_warn_or_stop() {
-    let place = Place::new();
+    let place = Place::with_scene();
     for (from, to) in [
         ("type=\"dielectric\"", "type=\"velvet\""),
         ("type=\"path\"", "type=\"pathos\""),

@@ -20,7 +20,7 @@ fn wait_for(path: &std::path::Path) {
 /// Kills a long run after its first checkpoint, continues it to a few samples beyond, and compares with an
 /// uninterrupted run of as many.
 fn killed_and_resumed(signal: &str, extra: &[&str]) {
-    let place = Place::new();
+    let place = Place::with_scene();
     let checkpoint = place.path("run.checkpoint");
     let mut arguments = vec![
         "render",
@@ -107,7 +107,7 @@ fn an_adaptive_run_resumes_to_the_same_bits() {
 
 #[test]
 fn a_checkpoint_of_another_run_is_refused() {
-    let place = Place::new();
+    let place = Place::with_scene();
     place.succeed(&[
         "render",
         "scene.xml",

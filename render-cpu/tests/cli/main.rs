@@ -38,8 +38,8 @@ pub struct Place {
 }
 
 impl Place {
-    /// A new folder.
-    pub fn new() -> Place {
+    /// A new folder with the scene in it.
+    pub fn with_scene() -> Place {
         let place = Place {
             folder: tempfile::tempdir().expect("a temporary folder"),
         };

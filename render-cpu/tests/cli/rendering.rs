@@ -4,7 +4,7 @@ use super::{Place, SCENE, read};
 
 #[test]
 fn an_image_has_its_layers_metadata_and_a_picture() {
-    let place = Place::new();
+    let place = Place::with_scene();
     place.succeed(&[
         "render",
         "scene.xml",
@@ -53,7 +53,7 @@ fn an_image_has_its_layers_metadata_and_a_picture() {
 
 #[test]
 fn an_image_does_not_depend_on_threads() {
-    let place = Place::new();
+    let place = Place::with_scene();
     for (threads, name) in [("1", "one.exr"), ("3", "three.exr")] {
         place.succeed(&[
             "render",
@@ -71,7 +71,7 @@ fn an_image_does_not_depend_on_threads() {
 
 #[test]
 fn size_width_and_crop_choose_pixels() {
-    let place = Place::new();
+    let place = Place::with_scene();
     place.succeed(&["render", "scene.xml", "-o", "w.exr", "--width", "48"]);
     let wide = read(&place.path("w.exr"));
     assert_eq!((wide.width, wide.height), (48, 32));
@@ -99,7 +99,7 @@ fn size_width_and_crop_choose_pixels() {
 
 #[test]
 fn parts_of_the_samples_merge_to_the_whole() {
-    let place = Place::new();
+    let place = Place::with_scene();
     let render = |samples: &str, out: &str| {
         place.succeed(&[
             "render",
@@ -140,7 +140,7 @@ fn parts_of_the_samples_merge_to_the_whole() {
 
 #[test]
 fn comparison_fails_above_a_threshold() {
-    let place = Place::new();
+    let place = Place::with_scene();
     for seed in ["1", "2"] {
         let out = format!("{seed}.exr");
         place.succeed(&[
@@ -182,7 +182,7 @@ fn comparison_fails_above_a_threshold() {
 
 #[test]
 fn adaptive_sampling_moves_samples_and_keeps_their_number() {
-    let place = Place::new();
+    let place = Place::with_scene();
     place.succeed(&[
         "render",
         "scene.xml",
@@ -205,7 +205,7 @@ fn adaptive_sampling_moves_samples_and_keeps_their_number() {
 
 #[test]
 fn a_time_limit_ends_a_run() {
-    let place = Place::new();
+    let place = Place::with_scene();
     place.succeed(&["render", "scene.xml", "-o", "t.exr", "--time", "0.5s"]);
     let image = read(&place.path("t.exr"));
     assert!(image.channel("samples").is_some_and(|s| s[0] >= 1.0));
@@ -213,7 +213,7 @@ fn a_time_limit_ends_a_run() {
 
 #[test]
 fn info_says_what_is_there_and_what_is_not() {
-    let place = Place::new();
+    let place = Place::with_scene();
     place.write(
         "odd.xml",
         SCENE.replace("type=\"dielectric\"", "type=\"velvet\""),
@@ -226,7 +226,7 @@ fn info_says_what_is_there_and_what_is_not() {
 
 #[test]
 fn every_example_scene_renders_without_a_warning() {
-    let place = Place::new();
+    let place = Place::with_scene();
     let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut count = 0;
     for entry in std::fs::read_dir(scenes).expect("example scenes") {

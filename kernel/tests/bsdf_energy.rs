@@ -50,8 +50,10 @@ fn inconsistency(
 fn samples_agree_with_value_and_density() {
     for case in smooth_cases().iter().chain(&delta_cases()) {
         // The half vector of two f32 directions is good to some 1e-6, which a peak of width alpha magnifies.
-        let tolerance =
-            2e-5 + 5e-5 / (case.lobe.alpha.min_element() * case.lobe.alpha.min_element());
+        // Near total reflection on the way in the refracted cosine is a small difference.
+        let thinner = case.lobe.coat_count > 0 && case.lobe.coats[0].eta < 1.0;
+        let tolerance = if thinner { 2e-3 } else { 2e-5 }
+            + 5e-5 / (case.lobe.alpha.min_element() * case.lobe.alpha.min_element());
         for wi in incidences() {
             let worst = inconsistency(
                 |u1, u2| lobe::sample(&case.lobe, &case.data, wi, u1, u2),
@@ -133,7 +135,8 @@ fn lossless_lobes_return_all_light() {
 
 #[test]
 fn lobes_are_reciprocal() {
-    for case in smooth_cases() {
+    // The side and terminator rules of perturbed frames are not symmetric.
+    for case in smooth_cases().iter().filter(|case| !case.lobe.has_frame) {
         let asymmetry = furnace::asymmetry(&case.lobe, &case.data, 4_000, 8);
         assert!(asymmetry < 2e-2, "{}: {asymmetry}", case.name);
     }
@@ -195,7 +198,8 @@ proptest! {
     /// Every function is finite and non-negative for every kind, roughness, index and pair of directions.
     #[test]
     fn lobes_are_total(
-        kind in 0_u32..=lobe_kind::NULL, distribution in 0_u32..2, flags in 0_u32..32,
+        kind in 0_u32..=lobe_kind::ROUGH_COAT, distribution in 0_u32..2, flags in 0_u32..64,
+        coats in 0_u32..3, log_coat_eta in prop::array::uniform2(-1.0_f32..1.0), depth in 0.0_f32..200.0,
         log_alpha in prop::array::uniform2(-4.0_f32..0.3), log_eta in -1.0_f32..1.0, k in 0.0_f32..10.0,
         rho in prop::array::uniform3(0.0_f32..=1.0), internal in 0.0_f32..1.0, frame in any_direction(),
         has_frame: bool, wi in any_direction(), wo in any_direction(), u in prop::array::uniform3(0.0_f32..1.0),
@@ -210,6 +214,13 @@ proptest! {
         lobe.internal_reflectance = internal;
         lobe.frame = Frame::from_normal(frame.normalize());
         lobe.has_frame = has_frame;
+        lobe.optical_depth = Vec3::new(0.0, depth, 0.1);
+        // Light that passes straight on is never coated.
+        lobe.coat_count = if kind == lobe_kind::NULL { 0 } else { coats };
+        for i in 0..2 {
+            lobe.coats[i].eta = 10.0_f32.powf(log_coat_eta[i]);
+            lobe.coats[i].optical_depth = Vec3::new(0.0, depth, 0.1);
+        }
         let (f, p) = lobe::eval_cosine_pdf(&lobe, &[], wi, wo);
         prop_assert!(f.is_finite() && f.min_element() >= 0.0, "f {f}");
         prop_assert!(p.is_finite() && p >= 0.0, "pdf {p}");

@@ -5,8 +5,8 @@ mod common;
 use common::oracle::{Row, relative_error, rows};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
-use halflight_kernel::bsdf::rough_plastic::TRANSMITTANCE_ENTRIES;
-use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, lobe, rough_plastic};
+use halflight_kernel::bsdf::rough_transmittance::{self, ENTRIES, ROW};
+use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, lobe};
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
 
 /// Largest relative errors of value and density over the rows.
@@ -133,9 +133,9 @@ fn rough_plastic_matches() {
         lobe.distribution = kind;
         lobe.alpha = Vec2::splat(alpha);
         lobe.table = 0;
-        lobe.internal_reflectance = rough_plastic::rough_internal_reflectance(kind, alpha, 1.49);
-        let mut data = [0.0; TRANSMITTANCE_ENTRIES];
-        rough_plastic::fill_rough_transmittance(kind, alpha, 1.49, &mut data);
+        let mut data = [0.0; ROW];
+        rough_transmittance::fill_row(kind, alpha, 1.49, &mut data);
+        lobe.internal_reflectance = data[ENTRIES];
         let tolerance = if kind == beckmann {
             beckmann_tolerance
         } else {

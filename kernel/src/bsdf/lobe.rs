@@ -1,19 +1,24 @@
 //! One lobe of a material: the choice of the model by its kind, two-sidedness and perturbed frames.
 //!
-//! A lobe's model knows only its own frame, z along its own normal. Two maps lie between that and the surface point:
+//! A lobe's model knows only its own frame, z along its own normal. Three maps lie between that and the surface point:
 //! - two-sided lobes ([`lobe_flag::FLIP_BACK`]) mirror z of both directions when wi is below the surface;
 //! - a normal or bump map turns the directions into the perturbed frame. Where the two normals disagree on the side
 //!   of a direction, nothing is scattered: cos_surface * cos_perturbed > 0 is required of wi and of wo, in evaluation
 //!   and in sampling, or the two would describe different functions.
 //!
+//! Coats ([`super::coat`]) lie between the mirroring and the model: above the perturbed frame with
+//! [`lobe_flag::COATS_OUTSIDE_FRAME`], in it without. They refract both directions, multiply the value by their
+//! transmittances, and value and density by their Jacobian.
+//!
 //! Because the cosine that belongs to a lobe is that of its own normal, this level deals in `eval_cosine` = f |cos|,
 //! per lobe, not yet multiplied by the lobe's weight in the material. Invariant (tests): for every kind, weight * pdf of
 //! a sample equals `eval_cosine` there, and the samples follow `pdf`.
 
-use super::fresnel::fresnel_conductor;
+use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::{
-    BsdfSample, Lobe, conductor, dielectric, diffuse, event, frame_map, mode, null, plastic,
-    rough_conductor, rough_dielectric, rough_plastic, thin_dielectric,
+    BsdfSample, Coat, Lobe, MAX_COATS, coat, coat_reflection, conductor, dielectric, diffuse,
+    event, frame_map, mode, null, plastic, rough_conductor, rough_dielectric, rough_plastic,
+    thin_dielectric,
 };
 use crate::math::{Frame, Rgb, float};
 use crate::scene::{NONE, lobe_flag, lobe_kind};
@@ -35,7 +40,11 @@ impl Lobe {
         k: Vec3::ZERO,
         alpha: Vec2::ONE,
         table: NONE,
+        table_rows: 1,
         internal_reflectance: 0.0,
+        optical_depth: Vec3::ZERO,
+        coat_count: 0,
+        coats: [Coat::NONE; MAX_COATS],
         mode: mode::RADIANCE,
     };
 }
@@ -44,6 +53,7 @@ impl Lobe {
 #[inline]
 pub fn is_delta(kind: u32) -> bool {
     kind == lobe_kind::CONDUCTOR
+        || kind == lobe_kind::COAT
         || kind == lobe_kind::DIELECTRIC
         || kind == lobe_kind::THIN_DIELECTRIC
         || kind == lobe_kind::NULL
@@ -68,36 +78,33 @@ pub fn is_active(flags: u32, wi: Vec3) -> bool {
 /// The value times the cosine of the lobe's normal with `wo`; the discrete part is not in it.
 #[inline]
 pub fn eval_cosine(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
-    let local = Local::new(lobe, wi);
-    let w = local.enter(lobe, wo);
-    if !local.valid || !same_side(local.outer(wo), w) {
+    let (i, o) = both_inside(lobe, data, wi, wo);
+    if !o.valid {
         return Vec3::ZERO;
     }
-    model_eval(lobe, data, local.wi, w) * (float::abs(w.z) * shadowing(lobe, wi, wo))
+    model_eval(lobe, data, i.w, o.w) * value_factor(lobe, &i, &o)
 }
 
 /// Density of [`sample`] per solid angle; the discrete part is not in it.
 #[inline]
 pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
-    let local = Local::new(lobe, wi);
-    let w = local.enter(lobe, wo);
-    if !local.valid || !same_side(local.outer(wo), w) {
+    let (i, o) = both_inside(lobe, data, wi, wo);
+    if !o.valid {
         return 0.0;
     }
-    model_pdf(lobe, data, local.wi, w)
+    model_pdf(lobe, data, i.w, o.w) * o.jacobian
 }
 
 /// [`eval_cosine`] and [`pdf`] together.
 #[inline]
 pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
-    let local = Local::new(lobe, wi);
-    let w = local.enter(lobe, wo);
-    if !local.valid || !same_side(local.outer(wo), w) {
+    let (i, o) = both_inside(lobe, data, wi, wo);
+    if !o.valid {
         return (Vec3::ZERO, 0.0);
     }
     (
-        model_eval(lobe, data, local.wi, w) * (float::abs(w.z) * shadowing(lobe, wi, wo)),
-        model_pdf(lobe, data, local.wi, w),
+        model_eval(lobe, data, i.w, o.w) * value_factor(lobe, &i, &o),
+        model_pdf(lobe, data, i.w, o.w) * o.jacobian,
     )
 }
 
@@ -107,80 +114,151 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if lobe.kind == lobe_kind::NULL {
         return null::sample(lobe, wi, u1, u2);
     }
-    let local = Local::new(lobe, wi);
-    if !local.valid {
+    if !is_active(lobe.flags, wi) {
         return BsdfSample::NONE;
     }
-    let mut s = model_sample(lobe, data, local.wi, u1, u2);
+    let flip = is_flipped(lobe, wi);
+    let i = inside(lobe, data, flip, wi);
+    if !i.valid {
+        return BsdfSample::NONE;
+    }
+    let mut s = model_sample(lobe, data, i.w, u1, u2);
     if s.pdf <= 0.0 {
         return BsdfSample::NONE;
     }
-    if lobe.has_frame {
-        let outer = lobe.frame.to_world(s.wo);
-        if !same_side(outer, s.wo) {
-            return BsdfSample::NONE;
-        }
-        s.wo = outer;
-        s.weight *= shadowing(lobe, wi, outer);
+    let o = outside(lobe, data, s.wo);
+    if !o.valid {
+        return BsdfSample::NONE;
     }
-    if local.flip {
-        s.wo.z = -s.wo.z;
+    s.wo = if flip {
+        Vec3::new(o.w.x, o.w.y, -o.w.z)
+    } else {
+        o.w
+    };
+    s.weight *= i.transmittance * o.transmittance * shadowing(lobe, &i, &o);
+    if s.event & event::DELTA == 0 {
+        s.pdf *= o.jacobian;
     }
     s
 }
 
-/// `wi` in the frame of the lobe's model, and how it came there.
-struct Local {
-    wi: Vec3,
-    flip: bool,
+/// A direction below the coats in the frame of the lobe's model, or above them, and what lies between.
+struct Way {
+    w: Vec3,
+    /// What the coats leave of the light.
+    transmittance: Rgb,
+    /// Solid angle below the coats per solid angle above them.
+    jacobian: f32,
+    /// Cosine of the direction with the normal that a map perturbs.
+    cos_unperturbed: f32,
     valid: bool,
 }
 
-impl Local {
-    #[inline]
-    fn new(lobe: &Lobe, wi: Vec3) -> Local {
-        let flip = wi.z < 0.0 && lobe.flags & lobe_flag::FLIP_BACK != 0;
-        let mut local = Local {
-            wi,
-            flip,
-            valid: is_active(lobe.flags, wi),
-        };
-        let outer = local.outer(wi);
-        local.wi = local.enter(lobe, wi);
-        local.valid = local.valid && same_side(outer, local.wi);
-        local
-    }
+/// Whether the lobe sees directions mirrored to the front.
+#[inline]
+fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
+    wi.z < 0.0 && lobe.flags & lobe_flag::FLIP_BACK != 0
+}
 
-    /// After mirroring, before the perturbed frame.
-    #[inline]
-    fn outer(&self, w: Vec3) -> Vec3 {
-        if self.flip {
-            Vec3::new(w.x, w.y, -w.z)
-        } else {
-            w
-        }
-    }
+/// Both directions in the frame of the model; the second is invalid where the lobe is zero.
+#[inline]
+fn both_inside(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Way, Way) {
+    let flip = is_flipped(lobe, wi);
+    let i = inside(lobe, data, flip, wi);
+    let mut o = inside(lobe, data, flip, wo);
+    o.valid = o.valid && i.valid && is_active(lobe.flags, wi);
+    (i, o)
+}
 
-    /// In the frame of the lobe's model.
-    #[inline]
-    fn enter(&self, lobe: &Lobe, w: Vec3) -> Vec3 {
-        let outer = self.outer(w);
-        if lobe.has_frame {
-            lobe.frame.to_local(outer)
-        } else {
-            outer
-        }
+/// `w` in the frame of the model.
+#[inline]
+fn inside(lobe: &Lobe, data: &[f32], flip: bool, w: Vec3) -> Way {
+    let mut way = Way {
+        w: if flip { Vec3::new(w.x, w.y, -w.z) } else { w },
+        transmittance: Vec3::ONE,
+        jacobian: 1.0,
+        cos_unperturbed: w.z,
+        valid: true,
+    };
+    let coats_first = lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME != 0;
+    if lobe.coat_count > 0 && coats_first {
+        pass_coats(lobe, data, &mut way);
+        way.cos_unperturbed = way.w.z;
     }
+    let unperturbed = way.w;
+    if lobe.has_frame {
+        way.w = lobe.frame.to_local(way.w);
+    }
+    way.valid = way.valid && same_side(unperturbed, way.w);
+    if lobe.coat_count > 0 && !coats_first {
+        pass_coats(lobe, data, &mut way);
+    }
+    way
+}
+
+#[inline]
+fn pass_coats(lobe: &Lobe, data: &[f32], way: &mut Way) {
+    let passage = coat::enter(&lobe.coats, lobe.coat_count, data, way.w);
+    way.w = passage.w;
+    way.transmittance = passage.transmittance;
+    way.jacobian = passage.jacobian;
+    way.valid = way.valid && passage.valid;
+}
+
+/// The direction `w` of the model above coats and perturbed frame; not yet mirrored back.
+#[inline]
+fn outside(lobe: &Lobe, data: &[f32], w: Vec3) -> Way {
+    let mut way = Way {
+        w,
+        transmittance: Vec3::ONE,
+        jacobian: 1.0,
+        cos_unperturbed: w.z,
+        valid: true,
+    };
+    let coats_last = lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME != 0;
+    if lobe.coat_count > 0 && !coats_last {
+        leave_coats(lobe, data, &mut way);
+    }
+    if lobe.has_frame {
+        let perturbed = way.w;
+        way.w = lobe.frame.to_world(perturbed);
+        way.valid = way.valid && same_side(way.w, perturbed);
+    }
+    way.cos_unperturbed = way.w.z;
+    if lobe.coat_count > 0 && coats_last {
+        leave_coats(lobe, data, &mut way);
+    }
+    way
+}
+
+#[inline]
+fn leave_coats(lobe: &Lobe, data: &[f32], way: &mut Way) {
+    let passage = coat::leave(&lobe.coats, lobe.coat_count, data, way.w);
+    way.w = passage.w;
+    way.transmittance = passage.transmittance;
+    way.jacobian = passage.jacobian;
+    way.valid = way.valid && passage.valid;
+}
+
+/// What the model's value is multiplied by: its cosine, the coats, the terminator.
+#[inline]
+fn value_factor(lobe: &Lobe, i: &Way, o: &Way) -> Rgb {
+    let cosine = float::abs(o.w.z) * o.jacobian * shadowing(lobe, i, o);
+    i.transmittance * o.transmittance * cosine
 }
 
 /// The terminator term of a perturbed frame: on camera paths light comes along `wo`, on light paths along `wi`.
 #[inline]
-fn shadowing(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
+fn shadowing(lobe: &Lobe, i: &Way, o: &Way) -> f32 {
     if !lobe.has_frame {
         return 1.0;
     }
-    let light = if lobe.mode == mode::RADIANCE { wo } else { wi };
-    frame_map::terminator_shadowing(lobe.frame.n.z, light.z)
+    let cos_light = if lobe.mode == mode::RADIANCE {
+        o.cos_unperturbed
+    } else {
+        i.cos_unperturbed
+    };
+    frame_map::terminator_shadowing(lobe.frame.n.z, cos_light)
 }
 
 #[inline]
@@ -197,6 +275,7 @@ fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::eval(lobe, wi, wo),
         lobe_kind::PLASTIC => plastic::eval(lobe, wi, wo),
         lobe_kind::ROUGH_PLASTIC => rough_plastic::eval(lobe, data, wi, wo),
+        lobe_kind::ROUGH_COAT => coat_reflection::eval(lobe, wi, wo),
         // Discrete directions have no value.
         _ => Vec3::ZERO,
     }
@@ -210,6 +289,7 @@ fn model_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::pdf(lobe, wi, wo),
         lobe_kind::PLASTIC => plastic::pdf(lobe, wi, wo),
         lobe_kind::ROUGH_PLASTIC => rough_plastic::pdf(lobe, data, wi, wo),
+        lobe_kind::ROUGH_COAT => coat_reflection::pdf(lobe, wi, wo),
         _ => 0.0,
     }
 }
@@ -225,6 +305,7 @@ fn model_sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfS
         lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::sample(lobe, wi, u1, u2),
         lobe_kind::PLASTIC => plastic::sample(lobe, wi, u1, u2),
         lobe_kind::ROUGH_PLASTIC => rough_plastic::sample(lobe, data, wi, u1, u2),
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT => coat_reflection::sample(lobe, wi, u1, u2),
         lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
         _ => BsdfSample::NONE,
     }
@@ -233,10 +314,33 @@ fn model_sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfS
 /// What the lobe reflects and transmits, roughly: an upper bound on its colour from its parameters, for choosing a lobe
 /// and for the albedo layer. Exact for diffuse and null lobes.
 #[inline]
-pub fn albedo(lobe: &Lobe, _data: &[f32], wi: Vec3) -> Rgb {
+pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     if !is_active(lobe.flags, wi) && lobe.kind != lobe_kind::NULL {
         return Vec3::ZERO;
     }
+    model_albedo(lobe, wi) * coats_albedo(lobe, data, wi)
+}
+
+/// What the coats leave of the colour of the lobe below them.
+#[inline]
+fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
+    if lobe.coat_count == 0 {
+        return Vec3::ONE;
+    }
+    let mut w = if is_flipped(lobe, wi) {
+        Vec3::new(wi.x, wi.y, -wi.z)
+    } else {
+        wi
+    };
+    if lobe.has_frame && lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME == 0 {
+        w = lobe.frame.to_local(w);
+    }
+    coat::round_trip(&lobe.coats, lobe.coat_count, data, w)
+}
+
+/// [`albedo`] below the coats.
+#[inline]
+fn model_albedo(lobe: &Lobe, wi: Vec3) -> Rgb {
     match lobe.kind {
         lobe_kind::DIFFUSE => lobe.reflectance,
         lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
@@ -244,6 +348,7 @@ pub fn albedo(lobe: &Lobe, _data: &[f32], wi: Vec3) -> Rgb {
         }
         lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
         lobe_kind::NULL => Vec3::ONE,
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT => lobe.specular_reflectance * coat_share(lobe, wi),
         _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
     }
 }
@@ -252,11 +357,25 @@ pub fn albedo(lobe: &Lobe, _data: &[f32], wi: Vec3) -> Rgb {
 /// zero exactly where the lobe scatters nothing.
 #[inline]
 pub fn selection_weight(lobe: &Lobe, data: &[f32], wi: Vec3) -> f32 {
-    let mut colour = albedo(lobe, data, wi).max_element();
-    if lobe.kind == lobe_kind::PLASTIC || lobe.kind == lobe_kind::ROUGH_PLASTIC {
-        colour = colour.max(lobe.specular_reflectance.max_element());
+    if !is_active(lobe.flags, wi) && lobe.kind != lobe_kind::NULL {
+        return 0.0;
     }
-    lobe.weight * colour
+    let mut colour = model_albedo(lobe, wi);
+    if lobe.kind == lobe_kind::PLASTIC || lobe.kind == lobe_kind::ROUGH_PLASTIC {
+        colour = colour.max(lobe.specular_reflectance);
+    }
+    lobe.weight * (colour * coats_albedo(lobe, data, wi)).max_element()
+}
+
+/// Reflectance of a coat's surface seen along `wi`.
+#[inline]
+fn coat_share(lobe: &Lobe, wi: Vec3) -> f32 {
+    let cos = if lobe.has_frame {
+        lobe.frame.n.dot(wi)
+    } else {
+        wi.z
+    };
+    fresnel_dielectric(float::abs(cos), lobe.eta.x).0
 }
 
 /// Events that a lobe of the kind can produce: bits of [`event`].
@@ -264,8 +383,8 @@ pub fn selection_weight(lobe: &Lobe, data: &[f32], wi: Vec3) -> f32 {
 pub fn events(kind: u32) -> u32 {
     match kind {
         lobe_kind::DIFFUSE => event::REFLECTION | event::DIFFUSE,
-        lobe_kind::CONDUCTOR => event::REFLECTION | event::DELTA,
-        lobe_kind::ROUGH_CONDUCTOR => event::REFLECTION | event::GLOSSY,
+        lobe_kind::CONDUCTOR | lobe_kind::COAT => event::REFLECTION | event::DELTA,
+        lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT => event::REFLECTION | event::GLOSSY,
         lobe_kind::DIELECTRIC | lobe_kind::THIN_DIELECTRIC => {
             event::REFLECTION | event::TRANSMISSION | event::DELTA
         }

@@ -9,10 +9,13 @@
 //! Everything is per solid angle in the local frame of the surface point (z along the unperturbed shading normal).
 //! Invariants (tests): sum of q_i is 1; weight * pdf = `eval_cosine` for smooth samples; samples follow `pdf`.
 
-use super::{BsdfSample, Lobe, MAX_LOBES, event, frame_map, lobe, microfacet};
+use super::{
+    BsdfSample, Coat, Lobe, MAX_COATS, MAX_LOBES, event, frame_map, lobe, microfacet,
+    rough_transmittance,
+};
 use crate::math::{Rgb, float};
 use crate::scene::{
-    LobeRecord, NONE, SurfacePoint, Tables, lobe_flag, lobe_kind,
+    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, lobe_flag, lobe_kind,
     texture::{eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};
@@ -272,6 +275,10 @@ fn lookup(
     if record.kind == lobe_kind::NULL {
         return lobe;
     }
+    lobe.coat_count = record.coat_count.min(MAX_COATS as u32);
+    for i in 0..lobe.coat_count as usize {
+        lobe.coats[i] = coat_at(tables, &record.coats[i], point);
+    }
     if record.frame != NONE {
         // Two-sided lobes see wi mirrored to the front.
         let flip = wi.z < 0.0 && record.flags & lobe_flag::FLIP_BACK != 0;
@@ -289,13 +296,19 @@ fn lookup(
     }
     lobe.distribution = record.distribution;
     lobe.table = record.table;
+    lobe.table_rows = record.table_rows;
     lobe.internal_reflectance = record.internal_reflectance;
+    if record.kind == lobe_kind::MERL {
+        return lobe;
+    }
     lobe.specular_reflectance = eval_rgb(tables, &record.specular_reflectance, point);
     lobe.eta = eval_rgb(tables, &record.eta, point);
     match record.kind {
         lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => {
             lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
+            lobe.optical_depth = eval_rgb(tables, &record.optical_depth, point);
         }
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT => {}
         lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
             lobe.k = eval_rgb(tables, &record.k, point);
         }
@@ -306,6 +319,7 @@ fn lookup(
     if record.kind == lobe_kind::ROUGH_CONDUCTOR
         || record.kind == lobe_kind::ROUGH_DIELECTRIC
         || record.kind == lobe_kind::ROUGH_PLASTIC
+        || record.kind == lobe_kind::ROUGH_COAT
     {
         let alpha_u = eval_scalar(tables, &record.alpha_u, point);
         let alpha_v = if record.alpha_v == record.alpha_u {
@@ -315,5 +329,27 @@ fn lookup(
         };
         lobe.alpha = microfacet::clamp_alpha(Vec2::new(alpha_u, alpha_v));
     }
+    if record.kind == lobe_kind::ROUGH_PLASTIC && record.table != NONE && record.table_rows > 1 {
+        lobe.internal_reflectance = rough_transmittance::internal_reflectance(
+            tables.data,
+            record.table,
+            record.table_rows,
+            lobe.alpha.x,
+        );
+    }
     lobe
+}
+
+/// A coat with its parameters looked up.
+#[inline]
+fn coat_at(tables: &Tables<'_>, record: &CoatRecord, point: &SurfacePoint) -> Coat {
+    let mut coat = Coat::NONE;
+    coat.eta = record.eta;
+    coat.optical_depth = eval_rgb(tables, &record.optical_depth, point);
+    coat.table = record.table;
+    coat.table_rows = record.table_rows;
+    if record.table != NONE && record.table_rows > 1 {
+        coat.alpha = eval_scalar(tables, &record.alpha, point);
+    }
+    coat
 }

@@ -4,6 +4,8 @@
 //! plain values. Directions are in the local frame of the surface point: z is the shading normal, `wi` is known (towards
 //! the sensor on camera paths), `wo` is sampled.
 
+pub mod coat;
+pub mod coat_reflection;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
@@ -17,8 +19,10 @@ pub mod plastic;
 pub mod rough_conductor;
 pub mod rough_dielectric;
 pub mod rough_plastic;
+pub mod rough_transmittance;
 pub mod thin_dielectric;
 
+pub use coat::Coat;
 pub use mixture::Bsdf;
 
 use crate::math::{Frame, Rgb};
@@ -26,6 +30,9 @@ use glam::{Vec2, Vec3};
 
 /// The most lobes of a flattened material.
 pub const MAX_LOBES: usize = 8;
+
+/// The most coats above a lobe.
+pub const MAX_COATS: usize = 2;
 
 /// What kind of interaction a sample is: bits.
 pub mod event {
@@ -106,8 +113,16 @@ pub struct Lobe {
     pub alpha: Vec2,
     /// Table in `data`, or NONE.
     pub table: u32,
+    /// See [`crate::scene::LobeRecord::table_rows`].
+    pub table_rows: u32,
     /// See [`crate::scene::LobeRecord::internal_reflectance`].
     pub internal_reflectance: f32,
+    /// Absorption coefficient times thickness of the model's own layer.
+    pub optical_depth: Vec3,
+    /// Number of coats above the lobe.
+    pub coat_count: u32,
+    /// The coats, outermost first.
+    pub coats: [Coat; MAX_COATS],
     /// One of [`mode`].
     pub mode: u32,
 }

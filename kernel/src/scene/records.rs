@@ -237,6 +237,12 @@ pub mod lobe_kind {
     pub const ROUGH_PLASTIC: u32 = 7;
     /// No interaction: light passes straight on.
     pub const NULL: u32 = 8;
+    /// Reflection at the surface of a smooth coat.
+    pub const COAT: u32 = 12;
+    /// Reflection at the surface of a rough coat.
+    pub const ROUGH_COAT: u32 = 13;
+    /// Measured isotropic reflectance in the Rusinkiewicz parametrisation.
+    pub const MERL: u32 = 14;
 }
 
 /// Microfacet distributions.
@@ -259,6 +265,8 @@ pub mod lobe_flag {
     pub const NONLINEAR: u32 = 8;
     /// Distribution of normals is sampled as a whole rather than its visible part.
     pub const SAMPLE_ALL_NORMALS: u32 = 16;
+    /// The coats follow the surface and only what is below them the lobe's perturbed frame; else both share that frame.
+    pub const COATS_OUTSIDE_FRAME: u32 = 32;
 }
 
 /// One scattering model with its parameters.
@@ -291,10 +299,45 @@ pub struct LobeRecord {
     pub alpha_u: ScalarParameter,
     /// Roughness along the bitangent.
     pub alpha_v: ScalarParameter,
-    /// First word in `data` of the model's table (rough transmittance), or [`NONE`].
+    /// First word in `data` of the model's table (rough transmittance, measured values), or [`NONE`].
     pub table: u32,
+    /// Rows of a table of rough transmittance: 1 at a constant roughness, else over the roughness.
+    pub table_rows: u32,
     /// Precomputed scalar of the model: internal diffuse Fresnel reflectance of plastics.
     pub internal_reflectance: f32,
+    /// Absorption coefficient times thickness of the model's own layer (plastics).
+    pub optical_depth: RgbParameter,
+    /// Number of coats above the lobe.
+    pub coat_count: u32,
+    /// The coats, outermost first.
+    pub coats: [CoatRecord; crate::bsdf::MAX_COATS],
+}
+
+/// A dielectric coat as what is below it sees it; its reflection is a lobe of its own.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct CoatRecord {
+    /// Index below the coat's surface over the index above it.
+    pub eta: f32,
+    /// Absorption coefficient times thickness.
+    pub optical_depth: RgbParameter,
+    /// Roughness of the coat's surface, for the table.
+    pub alpha: ScalarParameter,
+    /// First word in `data` of the table of rough transmittance, or [`NONE`] for that of a smooth surface.
+    pub table: u32,
+    /// Rows of the table, see [`LobeRecord::table_rows`].
+    pub table_rows: u32,
+}
+
+impl CoatRecord {
+    /// Nothing.
+    pub const NONE: CoatRecord = CoatRecord {
+        eta: 1.0,
+        optical_depth: RgbParameter::constant([0.0; 3]),
+        alpha: ScalarParameter::constant(0.0),
+        table: NONE,
+        table_rows: 1,
+    };
 }
 
 /// One factor of a lobe's weight: the parameter, or one minus it.

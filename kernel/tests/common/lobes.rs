@@ -1,11 +1,10 @@
 //! The lobes and mixtures that the statistical tests go through.
 
+use super::coated::{coated_cases, under_two_coats};
 use super::direction_at;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
-use halflight_kernel::bsdf::rough_plastic::{
-    TRANSMITTANCE_ENTRIES, fill_rough_transmittance, rough_internal_reflectance,
-};
+use halflight_kernel::bsdf::rough_transmittance::{self, ENTRIES, ROW};
 use halflight_kernel::bsdf::{Lobe, MAX_LOBES};
 use halflight_kernel::math::Frame;
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
@@ -104,9 +103,9 @@ pub fn smooth_cases() -> Vec<Case> {
                     },
                 ));
                 lobe.table = 0;
-                lobe.internal_reflectance = rough_internal_reflectance(kind, alpha.x, 1.5);
-                let mut data = vec![0.0; TRANSMITTANCE_ENTRIES];
-                fill_rough_transmittance(kind, alpha.x, 1.5, &mut data);
+                let mut data = vec![0.0; ROW];
+                rough_transmittance::fill_row(kind, alpha.x, 1.5, &mut data);
+                lobe.internal_reflectance = data[ENTRIES];
                 cases.push(Case {
                     name: name("rough plastic"),
                     lobe,
@@ -115,12 +114,18 @@ pub fn smooth_cases() -> Vec<Case> {
             }
         }
     }
+    cases.extend(coated_cases());
     cases
 }
 
 /// Lobes of discrete directions.
 pub fn delta_cases() -> Vec<Case> {
     vec![
+        case("coat", white(lobe_kind::COAT)),
+        case(
+            "conductor under two coats",
+            under_two_coats(conductor(lobe_kind::CONDUCTOR)),
+        ),
         case("conductor", conductor(lobe_kind::CONDUCTOR)),
         case("dielectric", white(lobe_kind::DIELECTRIC)),
         case("thin dielectric", white(lobe_kind::THIN_DIELECTRIC)),

@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 pub mod chi_square;
+pub mod coated;
 pub mod furnace;
 pub mod light_scene;
 pub mod lobes;

@@ -90,7 +90,11 @@ pub fn lobe_record(kind: u32) -> LobeRecord {
         alpha_u: ScalarParameter::constant(0.2),
         alpha_v: ScalarParameter::constant(0.2),
         table: NONE,
+        table_rows: 1,
         internal_reflectance: 0.0,
+        optical_depth: RgbParameter::constant([0.0; 3]),
+        coat_count: 0,
+        coats: [CoatRecord::NONE; halflight_kernel::bsdf::MAX_COATS],
     }
 }
 

@@ -143,6 +143,9 @@ fn lobe_name(kind: u32) -> &'static str {
         lobe_kind::PLASTIC => "plastic",
         lobe_kind::ROUGH_PLASTIC => "rough plastic",
         lobe_kind::NULL => "null",
+        lobe_kind::COAT => "coat",
+        lobe_kind::ROUGH_COAT => "rough coat",
+        lobe_kind::MERL => "measured",
         _ => "unknown",
     }
 }

@@ -99,6 +99,8 @@ struct Builder {
     bitmaps: HashMap<(PathBuf, bool), [u32; 4]>,
     /// Shape groups by object index.
     groups: HashMap<usize, u32>,
+    /// Tables of rough transmittance by distribution, whether a texture gives the roughness, its bits, and the index's.
+    transmittance_tables: HashMap<(u32, bool, u32, u32), material::TransmittanceTable>,
 }
 
 impl Builder {
@@ -138,6 +140,7 @@ impl Builder {
             textures: HashMap::new(),
             bitmaps: HashMap::new(),
             groups: HashMap::new(),
+            transmittance_tables: HashMap::new(),
         }
     }
 }

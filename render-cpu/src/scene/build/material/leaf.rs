@@ -6,11 +6,7 @@ use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
-use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
-use halflight_kernel::bsdf::rough_plastic::{
-    TRANSMITTANCE_ENTRIES, fill_rough_transmittance, rough_internal_reflectance,
-};
-use halflight_kernel::scene::{LobeRecord, NONE, RgbParameter, lobe_flag, lobe_kind};
+use halflight_kernel::scene::{LobeRecord, RgbParameter, lobe_kind};
 use std::sync::Arc;
 
 /// What dielectrics are made of when nothing is said.
@@ -66,31 +62,10 @@ impl Builder {
                 lobe.reflectance = color(self, "diffuse_reflectance", 0.5)?;
                 lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
                 let eta = relative_index(object, POLYPROPYLENE)?;
-                lobe.eta = RgbParameter::constant([eta; 3]);
-                lobe.internal_reflectance = fresnel_diffuse_reflectance(1.0 / eta);
-                if object.get_bool("nonlinear", false)? {
-                    lobe.flags |= lobe_flag::NONLINEAR;
-                }
                 if object.plugin == "roughplastic" {
                     lobe.kind = lobe_kind::ROUGH_PLASTIC;
-                    self.roughness(object, mesh, &mut lobe)?;
-                    if lobe.alpha_u.texture != NONE {
-                        return Err(
-                            object.property_error("alpha", "cannot be a texture in roughplastic")
-                        );
-                    }
-                    lobe.table = self.tables.data.len() as u32;
-                    let mut table = [0.0; TRANSMITTANCE_ENTRIES];
-                    fill_rough_transmittance(
-                        lobe.distribution,
-                        lobe.alpha_u.value,
-                        eta,
-                        &mut table,
-                    );
-                    self.tables.data.extend_from_slice(&table);
-                    lobe.internal_reflectance =
-                        rough_internal_reflectance(lobe.distribution, lobe.alpha_u.value, eta);
                 }
+                self.plastic_layer(object, mesh, eta, &mut lobe)?;
             }
             "null" => lobe.kind = lobe_kind::NULL,
             other => {

@@ -1,9 +1,10 @@
 //! Materials: nested BSDF plugins flattened into weighted lobes.
 //!
 //! A wrapper does not become a record of its own: `blendbsdf` and `mask` multiply the weights of the lobes below them,
-//! `twosided` sets on which side they exist, `normalmap` and `bumpmap` give them a perturbed frame. What is left is a
+//! `twosided` sets on which side they exist, `coating` and `roughcoating` put coats above them, `normalmap` and `bumpmap` give them a perturbed frame. What is left is a
 //! list of lobes, which the kernel walks without recursion.
 
+mod layered;
 mod leaf;
 mod parameters;
 
@@ -13,9 +14,11 @@ use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::bsdf::MAX_LOBES;
 use halflight_kernel::scene::{
-    FrameMap, LobeRecord, Material, NONE, RgbParameter, WeightFactor, frame_map_kind, lobe_flag,
-    lobe_kind, material_flag,
+    FrameMap, LobeRecord, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
+    frame_map_kind, lobe_flag, lobe_kind, material_flag,
 };
+use layered::Coats;
+pub(super) use layered::TransmittanceTable;
 use parameters::empty_lobe;
 use std::sync::Arc;
 
@@ -25,6 +28,7 @@ struct Context<'a> {
     factors: Vec<WeightFactor>,
     sides: u32,
     frame: u32,
+    coats: Coats,
     mesh: Option<&'a MeshAttributes>,
     depth: usize,
 }
@@ -33,6 +37,19 @@ struct Context<'a> {
 struct PendingLobe {
     record: LobeRecord,
     factors: Vec<WeightFactor>,
+}
+
+impl PendingLobe {
+    /// Whether light passes through the surface.
+    fn transmits(&self) -> bool {
+        matches!(
+            self.record.kind,
+            lobe_kind::DIELECTRIC
+                | lobe_kind::THIN_DIELECTRIC
+                | lobe_kind::ROUGH_DIELECTRIC
+                | lobe_kind::NULL
+        )
+    }
 }
 
 /// Deeper nesting is a mistake or an attack.
@@ -73,6 +90,7 @@ impl Builder {
                 factors: Vec::new(),
                 sides: lobe_flag::FRONT | lobe_flag::BACK,
                 frame: NONE,
+                coats: Coats::default(),
                 mesh,
                 depth: 0,
             },
@@ -142,14 +160,9 @@ impl Builder {
                     self.flatten(&nested[0], inner, lobes)?;
                     self.flatten(&nested[1], back, lobes)?;
                 }
-                let transmits = lobes[before..].iter().any(|lobe| {
-                    matches!(
-                        lobe.record.kind,
-                        lobe_kind::DIELECTRIC
-                            | lobe_kind::THIN_DIELECTRIC
-                            | lobe_kind::ROUGH_DIELECTRIC
-                    )
-                });
+                let transmits = lobes[before..]
+                    .iter()
+                    .any(|lobe| lobe.record.kind != lobe_kind::NULL && lobe.transmits());
                 if transmits {
                     return Err(object.error("a BSDF that transmits light cannot be two-sided"));
                 }
@@ -169,7 +182,7 @@ impl Builder {
                 });
                 // Light passes on both sides whatever surrounds the mask.
                 null.sides = lobe_flag::FRONT | lobe_flag::BACK;
-                self.push_lobe(empty_lobe(lobe_kind::NULL), null, lobes);
+                self.push_lobe(object, empty_lobe(lobe_kind::NULL), null, lobes)?;
             }
             "blendbsdf" => {
                 let nested = nested_bsdfs(object, 2, 2)?;
@@ -186,6 +199,18 @@ impl Builder {
                 self.flatten(&nested[0], inner, lobes)?;
                 self.flatten(&nested[1], second, lobes)?;
             }
+            "mixturebsdf" => {
+                let nested = nested_bsdfs(object, 1, usize::MAX)?;
+                for (child, weight) in nested.iter().zip(mixture_weights(object, nested.len())?) {
+                    let mut part = inner.clone();
+                    part.factors.push(WeightFactor {
+                        parameter: ScalarParameter::constant(weight),
+                        complement: 0,
+                    });
+                    self.flatten(child, part, lobes)?;
+                }
+            }
+            "coating" | "roughcoating" => self.coating(object, &context, inner, lobes)?,
             "normalmap" | "bumpmap" => {
                 let nested = nested_bsdfs(object, 1, 1)?;
                 let is_normal = object.plugin == "normalmap";
@@ -212,7 +237,7 @@ impl Builder {
             }
             _ => {
                 let record = self.leaf(object, context.mesh)?;
-                self.push_lobe(record, context, lobes);
+                self.push_lobe(object, record, context, lobes)?;
             }
         }
         Ok(())
@@ -220,17 +245,54 @@ impl Builder {
 
     fn push_lobe(
         &self,
+        object: &Object,
         mut record: LobeRecord,
         context: Context<'_>,
         lobes: &mut Vec<PendingLobe>,
-    ) {
+    ) -> Result<(), SceneError> {
         record.flags |= context.sides;
         record.frame = context.frame;
+        context.coats.apply(object, &mut record)?;
         lobes.push(PendingLobe {
             record,
             factors: context.factors,
         });
+        Ok(())
     }
+}
+
+/// The weights of a `mixturebsdf`, one for each of its `count` parts, scaled down when they sum to more than one.
+fn mixture_weights(object: &Object, count: usize) -> Result<Vec<f32>, SceneError> {
+    let text = object.require_string("weights")?;
+    let mut weights = Vec::new();
+    for word in text
+        .split([',', ' ', '\t', '\n', '\r', ';'])
+        .filter(|w| !w.is_empty())
+    {
+        match word.parse::<f32>() {
+            Ok(weight) if weight.is_finite() && weight >= 0.0 => weights.push(weight),
+            _ => {
+                return Err(object.property_error(
+                    "weights",
+                    format!("\"{word}\" is not a number of at least 0"),
+                ));
+            }
+        }
+    }
+    if weights.len() != count {
+        return Err(object.property_error(
+            "weights",
+            format!("{} weights for {count} nested BSDFs", weights.len()),
+        ));
+    }
+    let sum: f32 = weights.iter().sum();
+    if sum > 1.0 + 1e-5 {
+        object.warn(format!(
+            "the weights sum to {sum}, which creates energy; they are divided by that"
+        ))?;
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+    }
+    Ok(weights)
 }
 
 /// The nested BSDFs of a wrapper, between `least` and `most` of them.
@@ -244,10 +306,10 @@ fn nested_bsdfs(
         .map(|child| child.object.clone())
         .collect();
     if nested.len() < least || nested.len() > most {
-        let wanted = if least == most {
-            format!("{least}")
-        } else {
-            format!("{least} or {most}")
+        let wanted = match most {
+            _ if least == most => format!("{least}"),
+            usize::MAX => format!("at least {least}"),
+            _ => format!("{least} or {most}"),
         };
         return Err(object.error(format!(
             "needs {wanted} nested BSDF(s), found {}",

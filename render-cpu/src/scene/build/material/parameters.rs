@@ -6,8 +6,9 @@ use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::ior;
 use crate::scene::xml::Object;
+use halflight_kernel::bsdf::MAX_COATS;
 use halflight_kernel::scene::{
-    LobeRecord, NONE, RgbParameter, ScalarParameter, distribution, lobe_flag,
+    CoatRecord, LobeRecord, NONE, RgbParameter, ScalarParameter, distribution, lobe_flag,
 };
 
 /// Roughness below which a microfacet model counts as the smooth one.
@@ -123,6 +124,10 @@ pub(super) fn empty_lobe(kind: u32) -> LobeRecord {
         alpha_u: ScalarParameter::constant(0.1),
         alpha_v: ScalarParameter::constant(0.1),
         table: NONE,
+        table_rows: 1,
         internal_reflectance: 0.0,
+        optical_depth: RgbParameter::constant([0.0; 3]),
+        coat_count: 0,
+        coats: [CoatRecord::NONE; MAX_COATS],
     }
 }

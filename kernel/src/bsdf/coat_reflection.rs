@@ -1,0 +1,84 @@
+//! Reflection at the surface of a coat, smooth or rough: a dielectric boundary whose transmitted light belongs to other
+//! lobes ([`super::coat`]).
+//!
+//! Smooth: a discrete mirror direction with reflectance F(cos_i). Rough: f = F(wi . h) D(h) / (4 A(wi) A(wo)) with the
+//! projected areas A = cos / G1 of separable Smith masking; normals are sampled by their visibility.
+//!
+//! Densities per solid angle on the side of the normal; `lobe.eta.x` is interior over exterior. Checked with the lobes of
+//! [`super::rough_plastic`], of which it is the coating alone.
+
+use super::fresnel::{fresnel_dielectric, reflect};
+use super::{BsdfSample, Lobe, event, microfacet};
+use crate::math::{Rgb, float};
+use crate::scene::lobe_kind;
+use glam::{Vec2, Vec3};
+
+/// The rough reflection, without a cosine.
+#[inline]
+pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
+    if wi.z <= 0.0 || wo.z <= 0.0 || lobe.kind == lobe_kind::COAT {
+        return Vec3::ZERO;
+    }
+    let h = half_vector(wi, wo);
+    let d = microfacet::distribution(lobe.distribution, lobe.alpha, h);
+    if d <= 0.0 {
+        return Vec3::ZERO;
+    }
+    // G1(w) / cos as one over the projected area, which has no pole at grazing angles.
+    let area = microfacet::projected_area(lobe.distribution, lobe.alpha, wi)
+        * microfacet::projected_area(lobe.distribution, lobe.alpha, wo);
+    let reflected = fresnel_dielectric(wi.dot(h), lobe.eta.x).0;
+    lobe.specular_reflectance * (0.25 * reflected * d / area)
+}
+
+/// Density of the rough reflection of [`sample`] per solid angle.
+#[inline]
+pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
+    if wi.z <= 0.0 || wo.z <= 0.0 || lobe.kind == lobe_kind::COAT {
+        return 0.0;
+    }
+    let h = half_vector(wi, wo);
+    let cos_h = wi.dot(h);
+    if cos_h <= 0.0 {
+        return 0.0;
+    }
+    // Jacobian of the reflection at h: d omega_h / d omega_o = 1 / (4 wi . h).
+    microfacet::visible_normal_pdf(lobe.distribution, lobe.alpha, wi, h) / (4.0 * cos_h)
+}
+
+/// The mirror direction about the normal (smooth) or about a visible normal (rough).
+#[inline]
+pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
+    if wi.z <= 0.0 {
+        return BsdfSample::NONE;
+    }
+    if lobe.kind == lobe_kind::COAT {
+        return BsdfSample {
+            wo: Vec3::new(-wi.x, -wi.y, wi.z),
+            weight: lobe.specular_reflectance * fresnel_dielectric(wi.z, lobe.eta.x).0,
+            pdf: 1.0,
+            eta: 1.0,
+            event: event::REFLECTION | event::DELTA,
+        };
+    }
+    let m = microfacet::sample_visible_normal(lobe.distribution, lobe.alpha, wi, u2);
+    let wo = reflect(wi, m);
+    let density = pdf(lobe, wi, wo);
+    if density <= 0.0 {
+        return BsdfSample::NONE;
+    }
+    BsdfSample {
+        wo,
+        weight: eval(lobe, wi, wo) * (wo.z / density),
+        pdf: density,
+        eta: 1.0,
+        event: event::REFLECTION | event::GLOSSY,
+    }
+}
+
+/// Unit half vector of two directions on the same side.
+#[inline]
+pub(super) fn half_vector(wi: Vec3, wo: Vec3) -> Vec3 {
+    let h = wi + wo;
+    h * (1.0 / float::sqrt(h.length_squared().max(1e-30)))
+}

@@ -198,7 +198,7 @@ proptest! {
     /// Every function is finite and non-negative for every kind, roughness, index and pair of directions.
     #[test]
     fn lobes_are_total(
-        kind in 0_u32..=lobe_kind::ROUGH_COAT, distribution in 0_u32..2, flags in 0_u32..64,
+        kind in 0_u32..=lobe_kind::ROUGH_COAT, distribution in 0_u32..4, exponent in 0.1_f32..6.0, flags in 0_u32..64,
         coats in 0_u32..3, log_coat_eta in prop::array::uniform2(-1.0_f32..1.0), depth in 0.0_f32..200.0,
         log_alpha in prop::array::uniform2(-4.0_f32..0.3), log_eta in -1.0_f32..1.0, k in 0.0_f32..10.0,
         rho in prop::array::uniform3(0.0_f32..=1.0), internal in 0.0_f32..1.0, frame in any_direction(),
@@ -206,6 +206,7 @@ proptest! {
     ) {
         let mut lobe = white(kind);
         lobe.distribution = distribution;
+        lobe.exponent = exponent;
         lobe.flags = flags;
         lobe.alpha = Vec2::new(10.0_f32.powf(log_alpha[0]), 10.0_f32.powf(log_alpha[1]));
         lobe.eta = Vec3::splat(10.0_f32.powf(log_eta));

@@ -281,7 +281,7 @@ proptest! {
     fn everything_is_finite(
         w in any_direction(),
         m in any_direction(),
-        kind in 0_u32..2,
+        kind in 0_u32..4,
         // Zero and the far end are outside the useful domain, and still finite.
         ax in prop_oneof![Just(0.0_f32), (-4.0_f32..0.5).prop_map(|e| 10.0_f32.powf(e))],
         ay in prop_oneof![Just(0.0_f32), (-4.0_f32..0.5).prop_map(|e| 10.0_f32.powf(e))],

@@ -8,7 +8,7 @@
 //! [`super::rough_plastic`], of which it is the coating alone.
 
 use super::fresnel::{fresnel_dielectric, reflect};
-use super::{BsdfSample, Lobe, event, microfacet};
+use super::{BsdfSample, Lobe, event};
 use crate::math::{Rgb, float};
 use crate::scene::lobe_kind;
 use glam::{Vec2, Vec3};
@@ -20,13 +20,13 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
         return Vec3::ZERO;
     }
     let h = half_vector(wi, wo);
-    let d = microfacet::distribution(lobe.distribution, lobe.alpha, h);
+    let facets = lobe.microfacets();
+    let d = facets.distribution(h);
     if d <= 0.0 {
         return Vec3::ZERO;
     }
     // G1(w) / cos as one over the projected area, which has no pole at grazing angles.
-    let area = microfacet::projected_area(lobe.distribution, lobe.alpha, wi)
-        * microfacet::projected_area(lobe.distribution, lobe.alpha, wo);
+    let area = facets.projected_area(wi) * facets.projected_area(wo);
     let reflected = fresnel_dielectric(wi.dot(h), lobe.eta.x).0;
     lobe.specular_reflectance * (0.25 * reflected * d / area)
 }
@@ -43,7 +43,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
         return 0.0;
     }
     // Jacobian of the reflection at h: d omega_h / d omega_o = 1 / (4 wi . h).
-    microfacet::visible_normal_pdf(lobe.distribution, lobe.alpha, wi, h) / (4.0 * cos_h)
+    lobe.microfacets().visible_normal_pdf(wi, h) / (4.0 * cos_h)
 }
 
 /// The mirror direction about the normal (smooth) or about a visible normal (rough).
@@ -61,7 +61,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
             event: event::REFLECTION | event::DELTA,
         };
     }
-    let m = microfacet::sample_visible_normal(lobe.distribution, lobe.alpha, wi, u2);
+    let m = lobe.microfacets().sample_visible_normal(wi, u2);
     let wo = reflect(wi, m);
     let density = pdf(lobe, wi, wo);
     if density <= 0.0 {

@@ -15,10 +15,11 @@
 //! a sample equals `eval_cosine` there, and the samples follow `pdf`.
 
 use super::fresnel::{fresnel_conductor, fresnel_dielectric};
+use super::microfacet::{self, Microfacets};
 use super::{
     BsdfSample, Coat, Lobe, MAX_COATS, coat, coat_reflection, conductor, dielectric, diffuse,
-    event, frame_map, mode, null, plastic, rough_conductor, rough_dielectric, rough_plastic,
-    thin_dielectric,
+    event, frame_map, mode, null, plastic, rough_conductor, rough_dielectric, rough_diffuse,
+    rough_plastic, thin_dielectric,
 };
 use crate::math::{Frame, Rgb, float};
 use crate::scene::{NONE, lobe_flag, lobe_kind};
@@ -45,8 +46,19 @@ impl Lobe {
         optical_depth: Vec3::ZERO,
         coat_count: 0,
         coats: [Coat::NONE; MAX_COATS],
+        exponent: 1.0,
         mode: mode::RADIANCE,
     };
+
+    /// The distribution of microfacets of a rough lobe.
+    #[inline]
+    pub fn microfacets(&self) -> Microfacets {
+        Microfacets {
+            kind: self.distribution,
+            alpha: microfacet::clamp_alpha(self.alpha),
+            exponent: self.exponent,
+        }
+    }
 }
 
 /// Whether every scattered direction of the kind is a discrete one.
@@ -276,6 +288,7 @@ fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         lobe_kind::PLASTIC => plastic::eval(lobe, wi, wo),
         lobe_kind::ROUGH_PLASTIC => rough_plastic::eval(lobe, data, wi, wo),
         lobe_kind::ROUGH_COAT => coat_reflection::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::eval(lobe, wi, wo),
         // Discrete directions have no value.
         _ => Vec3::ZERO,
     }
@@ -290,6 +303,7 @@ fn model_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         lobe_kind::PLASTIC => plastic::pdf(lobe, wi, wo),
         lobe_kind::ROUGH_PLASTIC => rough_plastic::pdf(lobe, data, wi, wo),
         lobe_kind::ROUGH_COAT => coat_reflection::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::pdf(lobe, wi, wo),
         _ => 0.0,
     }
 }
@@ -307,6 +321,7 @@ fn model_sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfS
         lobe_kind::ROUGH_PLASTIC => rough_plastic::sample(lobe, data, wi, u1, u2),
         lobe_kind::COAT | lobe_kind::ROUGH_COAT => coat_reflection::sample(lobe, wi, u1, u2),
         lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::sample(lobe, wi, u1, u2),
         _ => BsdfSample::NONE,
     }
 }
@@ -342,7 +357,7 @@ fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
 #[inline]
 fn model_albedo(lobe: &Lobe, wi: Vec3) -> Rgb {
     match lobe.kind {
-        lobe_kind::DIFFUSE => lobe.reflectance,
+        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => lobe.reflectance,
         lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
             lobe.specular_reflectance * fresnel_conductor(wi.z, lobe.eta, lobe.k)
         }
@@ -382,7 +397,7 @@ fn coat_share(lobe: &Lobe, wi: Vec3) -> f32 {
 #[inline]
 pub fn events(kind: u32) -> u32 {
     match kind {
-        lobe_kind::DIFFUSE => event::REFLECTION | event::DIFFUSE,
+        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => event::REFLECTION | event::DIFFUSE,
         lobe_kind::CONDUCTOR | lobe_kind::COAT => event::REFLECTION | event::DELTA,
         lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT => event::REFLECTION | event::GLOSSY,
         lobe_kind::DIELECTRIC | lobe_kind::THIN_DIELECTRIC => {

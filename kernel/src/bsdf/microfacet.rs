@@ -1,4 +1,4 @@
-//! Microfacet distributions, their separable Smith masking, and the sampling of normals.
+//! Microfacet distributions, their masking, and the sampling of normals.
 //!
 //! A distribution `D(m)` is the area of microfacets per solid angle of normals over area of macrosurface, so that the
 //! integral of `D(m) m.z` is 1 (tested). Everything of Smith's theory follows from the area projected along `w`,
@@ -10,12 +10,25 @@
 //! The projected area has no pole at grazing angles, which `G1 / w.z` has in its usual form; it is what each
 //! distribution implements. Masking and shadowing are separable, `G2(wi, wo) = G1(wi) G1(wo)`.
 //!
+//! | kind | shape | projected area | [`Microfacets::sample_visible_normal`] |
+//! |---|---|---|---|
+//! | Beckmann | Gaussian slopes | exact | Smith's visible normals |
+//! | GGX | Trowbridge-Reitz | exact | Smith's visible normals |
+//! | Phong | power of the cosine | that of Beckmann's | visible normals of V-cavities |
+//! | exponential power | `exp(-slope^(2 p))` | exact to 1e-4 | visible normals of V-cavities |
+//!
+//! The visible normals of V-cavities ([`v_cavity`]) are a density of normals like any other: they serve where Smith's
+//! have no closed form, and [`Microfacets::visible_normal_weight`] is what the difference costs.
+//!
 //! `alpha` is the width along x and y; each component is clamped to [`ALPHA_MIN`] and above. Normals are unit, in the
 //! local frame with z up; a normal with `m.z <= 0` has `D = 0`. A further distribution is a file below this one with
-//! the same four functions, and a branch in each function here.
+//! the same functions, and a branch in each method here.
 
 pub mod beckmann;
+pub mod exponential_power;
 pub mod ggx;
+pub mod phong;
+pub mod v_cavity;
 
 use crate::math::float::{abs, safe_sqrt};
 use crate::scene::distribution as kinds;
@@ -30,92 +43,279 @@ pub fn clamp_alpha(alpha: Vec2) -> Vec2 {
     Vec2::new(alpha.x.max(ALPHA_MIN), alpha.y.max(ALPHA_MIN))
 }
 
-/// `D(m)` of a distribution out of [`crate::scene::distribution`].
+/// A distribution with its parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Microfacets {
+    /// One of [`crate::scene::distribution`].
+    pub kind: u32,
+    /// Width along x and y, at least [`ALPHA_MIN`].
+    pub alpha: Vec2,
+    /// The exponent p of the exponential power distribution; the others do not read it.
+    pub exponent: f32,
+}
+
+impl Microfacets {
+    /// A distribution with its width brought into the domain.
+    #[inline]
+    pub fn new(kind: u32, alpha: Vec2, exponent: f32) -> Microfacets {
+        Microfacets {
+            kind,
+            alpha: clamp_alpha(alpha),
+            exponent,
+        }
+    }
+
+    /// Whether [`Microfacets::sample_visible_normal`] draws Smith's visible normals.
+    #[inline]
+    pub fn has_smith_normals(&self) -> bool {
+        self.kind == kinds::BECKMANN || self.kind == kinds::GGX
+    }
+
+    /// `D(m)`.
+    #[inline]
+    pub fn distribution(&self, m: Vec3) -> f32 {
+        if m.z <= 0.0 {
+            return 0.0;
+        }
+        match self.kind {
+            kinds::GGX => ggx::distribution(self.alpha, m),
+            kinds::PHONG => phong::distribution(self.alpha, m),
+            kinds::EXPONENTIAL_POWER => {
+                exponential_power::distribution(self.alpha, self.exponent, m)
+            }
+            _ => beckmann::distribution(self.alpha, m),
+        }
+    }
+
+    /// Area of the microfacets that face `w`, projected along `w`, per area of macrosurface: `|w.z| / G1`, at least
+    /// `|w.z|`, positive for every unit `w`. The side of `w` is not looked at.
+    #[inline]
+    pub fn projected_area(&self, w: Vec3) -> f32 {
+        // |w.z| tan(theta) times the roughness along the azimuth of w.
+        let x = self.alpha.x * w.x;
+        let y = self.alpha.y * w.y;
+        let spread = safe_sqrt(x * x + y * y);
+        let area = match self.kind {
+            kinds::GGX => ggx::projected_area(abs(w.z), spread),
+            kinds::EXPONENTIAL_POWER => {
+                exponential_power::projected_area(abs(w.z), spread, self.exponent)
+            }
+            // Phong takes Beckmann's, see there.
+            _ => beckmann::projected_area(abs(w.z), spread),
+        };
+        area.max(f32::MIN_POSITIVE)
+    }
+
+    /// Smith's masking `G1(w, m)`: the visible fraction of the microfacets with normal `m` seen along `w`, zero when
+    /// `w` is not on the same side of `m` as of the macrosurface. `w` may be below the surface.
+    #[inline]
+    pub fn smith_g1(&self, w: Vec3, m: Vec3) -> f32 {
+        if w.dot(m) * w.z <= 0.0 {
+            return 0.0;
+        }
+        (abs(w.z) / self.projected_area(w)).min(1.0)
+    }
+
+    /// A normal with density [`Microfacets::normal_pdf`], `D(m) m.z`.
+    #[inline]
+    pub fn sample_normal(&self, u: Vec2) -> Vec3 {
+        match self.kind {
+            kinds::PHONG => phong::sample_normal(self.alpha, u),
+            kinds::EXPONENTIAL_POWER => {
+                self.stretch_slope(exponential_power::sample_slope(self.exponent, u))
+            }
+            kinds::GGX => self.stretch_slope(ggx::sample_slope(u)),
+            _ => self.stretch_slope(beckmann::sample_slope(u)),
+        }
+    }
+
+    /// Density per solid angle of [`Microfacets::sample_normal`].
+    #[inline]
+    pub fn normal_pdf(&self, m: Vec3) -> f32 {
+        self.distribution(m) * m.z
+    }
+
+    /// A normal that `wi`, `wi.z >= 0`, sees, with density [`Microfacets::visible_normal_pdf`].
+    #[inline]
+    pub fn sample_visible_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
+        if !self.has_smith_normals() {
+            return self.sample_cavity_normal(wi, u);
+        }
+        let alpha = self.alpha;
+        // Stretched to unit roughness (Heitz and d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the
+        // Distribution of Visible Normals", section 3): the visible normals of alpha are those of 1, stretched back.
+        let stretched = Vec3::new(alpha.x * wi.x, alpha.y * wi.y, wi.z.max(0.0));
+        let length = safe_sqrt(stretched.length_squared());
+        if length < 1e-18 {
+            return Vec3::Z;
+        }
+        let w = stretched * (1.0 / length);
+        let h = if self.kind == kinds::GGX {
+            ggx::sample_visible_normal(w, u)
+        } else {
+            beckmann::sample_visible_normal(w, u)
+        };
+        unit_normal(alpha.x * h.x, alpha.y * h.y, h.z)
+    }
+
+    /// Density per solid angle of [`Microfacets::sample_visible_normal`].
+    #[inline]
+    pub fn visible_normal_pdf(&self, wi: Vec3, m: Vec3) -> f32 {
+        let cos_i = wi.dot(m);
+        if wi.z < 0.0 || cos_i <= 0.0 {
+            return 0.0;
+        }
+        if self.has_smith_normals() {
+            self.distribution(m) * cos_i / self.projected_area(wi)
+        } else if self.mirrors_normals() {
+            self.distribution(m) * v_cavity::facing_area(wi, m)
+        } else {
+            self.normal_pdf(m)
+        }
+    }
+
+    /// Smith's density of visible normals over [`Microfacets::visible_normal_pdf`], for a visible `m`: one for the
+    /// distributions whose normals are sampled so.
+    #[inline]
+    pub fn visible_normal_weight(&self, wi: Vec3, m: Vec3) -> f32 {
+        if self.has_smith_normals() {
+            return 1.0;
+        }
+        let cos_i = wi.dot(m);
+        let sampled = if self.mirrors_normals() {
+            v_cavity::facing_area(wi, m)
+        } else {
+            m.z
+        };
+        if cos_i <= 0.0 || sampled <= 0.0 {
+            return 0.0;
+        }
+        cos_i / (self.projected_area(wi) * sampled)
+    }
+
+    /// Density of slopes `-m.xy / m.z`: `D(m) m.z^4`, whose integral over the plane is 1.
+    #[inline]
+    pub fn slope_density(&self, slope: Vec2) -> f32 {
+        let z2 = 1.0 / (1.0 + slope.length_squared());
+        let z = safe_sqrt(z2);
+        self.distribution(Vec3::new(-slope.x * z, -slope.y * z, z)) * z2 * z2
+    }
+
+    /// The squared width of the Beckmann distribution that has the same logarithmic derivative of the slope density
+    /// along the azimuth of `m`: `-2 t / (d ln P / dt)`, `t = tan(theta_m)`, with its limit at `t = 0`
+    /// (Holzschuch et al. 2016, "Estimating Local Beckmann Roughness for Complex BSDFs", equation 3).
+    #[inline]
+    pub fn local_alpha_squared(&self, m: Vec3) -> f32 {
+        let across = m.x * m.x + m.y * m.y;
+        // 1 / alpha^2 along the azimuth of m; on the axis the mean of both.
+        let (a2, b2) = (self.alpha.x * self.alpha.x, self.alpha.y * self.alpha.y);
+        let inverse = if across > 0.0 {
+            (m.x * m.x / a2 + m.y * m.y / b2) / across
+        } else {
+            0.5 / a2 + 0.5 / b2
+        };
+        // Slopes beyond 1e9 are the horizon.
+        let t2 = across / (m.z * m.z).max(1e-18);
+        match self.kind {
+            kinds::GGX => 0.5 * (1.0 / inverse + t2),
+            kinds::PHONG => phong::local_alpha_squared(inverse, t2),
+            kinds::EXPONENTIAL_POWER => {
+                exponential_power::local_alpha_squared(inverse, t2, self.exponent)
+            }
+            _ => 1.0 / inverse,
+        }
+    }
+
+    /// Derivative of the logarithm of the slope density by `tan(theta_m)` at fixed azimuth.
+    #[inline]
+    pub fn ln_slope_density_derivative(&self, m: Vec3) -> f32 {
+        let t = safe_sqrt((m.x * m.x + m.y * m.y) / (m.z * m.z).max(1e-18));
+        -2.0 * t / self.local_alpha_squared(m)
+    }
+
+    /// Derivative of `ln D(m)` by `tan(theta_m)` at fixed azimuth: `D = P / m.z^4` adds `4 t / (1 + t^2)`.
+    #[inline]
+    pub fn ln_distribution_derivative(&self, m: Vec3) -> f32 {
+        let t = safe_sqrt((m.x * m.x + m.y * m.y) / (m.z * m.z).max(1e-18));
+        self.ln_slope_density_derivative(m) + 4.0 * t / (1.0 + t * t)
+    }
+
+    /// Whether [`Microfacets::sample_cavity_normal`] can mirror a normal: the azimuth must be uniform at every slope.
+    /// Anisotropic Phong has no stretched form; all its normals are sampled.
+    #[inline]
+    fn mirrors_normals(&self) -> bool {
+        self.kind != kinds::PHONG || self.alpha.x == self.alpha.y
+    }
+
+    /// A normal with the density of the visible normals of V-cavities, or of all normals.
+    #[inline]
+    fn sample_cavity_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
+        if !self.mirrors_normals() {
+            return self.sample_normal(u);
+        }
+        // Slopes as multiples of the width, along azimuth zero.
+        let (radius, stretch) = if self.kind == kinds::PHONG {
+            (phong::sample_radius(self.alpha.x, u.y), Vec2::ONE)
+        } else {
+            (
+                exponential_power::sample_radius(self.exponent, u.y),
+                self.alpha,
+            )
+        };
+        let slope = v_cavity::sample_azimuth(
+            Vec3::new(stretch.x * wi.x, stretch.y * wi.y, wi.z.max(0.0)),
+            radius,
+            u.x,
+        );
+        unit_normal(stretch.x * slope.x, stretch.y * slope.y, 1.0)
+    }
+
+    #[inline]
+    fn stretch_slope(&self, slope: Vec2) -> Vec3 {
+        unit_normal(self.alpha.x * slope.x, self.alpha.y * slope.y, 1.0)
+    }
+}
+
+/// [`Microfacets::distribution`] of a kind without an exponent.
 #[inline]
 pub fn distribution(kind: u32, alpha: Vec2, m: Vec3) -> f32 {
-    if m.z <= 0.0 {
-        return 0.0;
-    }
-    let alpha = clamp_alpha(alpha);
-    if kind == kinds::GGX {
-        ggx::distribution(alpha, m)
-    } else {
-        beckmann::distribution(alpha, m)
-    }
+    Microfacets::new(kind, alpha, 1.0).distribution(m)
 }
 
-/// Area of the microfacets that face `w`, projected along `w`, per area of macrosurface: `|w.z| / G1`, at least
-/// `|w.z|`, positive for every unit `w`. The side of `w` is not looked at.
+/// [`Microfacets::projected_area`] of a kind without an exponent.
 #[inline]
 pub fn projected_area(kind: u32, alpha: Vec2, w: Vec3) -> f32 {
-    let alpha = clamp_alpha(alpha);
-    // |w.z| tan(theta) times the roughness along the azimuth of w.
-    let spread = safe_sqrt((alpha.x * w.x) * (alpha.x * w.x) + (alpha.y * w.y) * (alpha.y * w.y));
-    let area = if kind == kinds::GGX {
-        ggx::projected_area(abs(w.z), spread)
-    } else {
-        beckmann::projected_area(abs(w.z), spread)
-    };
-    area.max(f32::MIN_POSITIVE)
+    Microfacets::new(kind, alpha, 1.0).projected_area(w)
 }
 
-/// Smith's masking `G1(w, m)`: the visible fraction of the microfacets with normal `m` seen along `w`, zero when `w` is
-/// not on the same side of `m` as of the macrosurface. `w` may be below the surface.
+/// [`Microfacets::smith_g1`] of a kind without an exponent.
 #[inline]
 pub fn smith_g1(kind: u32, alpha: Vec2, w: Vec3, m: Vec3) -> f32 {
-    if w.dot(m) * w.z <= 0.0 {
-        return 0.0;
-    }
-    (abs(w.z) / projected_area(kind, alpha, w)).min(1.0)
+    Microfacets::new(kind, alpha, 1.0).smith_g1(w, m)
 }
 
-/// A normal distributed as those visible from `wi`, `wi.z >= 0`; density [`visible_normal_pdf`].
+/// [`Microfacets::sample_visible_normal`] of a kind without an exponent.
 #[inline]
 pub fn sample_visible_normal(kind: u32, alpha: Vec2, wi: Vec3, u: Vec2) -> Vec3 {
-    let alpha = clamp_alpha(alpha);
-    // Stretched to unit roughness (Heitz and d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the
-    // Distribution of Visible Normals", section 3): the visible normals of alpha are those of 1, stretched back.
-    let stretched = Vec3::new(alpha.x * wi.x, alpha.y * wi.y, wi.z.max(0.0));
-    let length = safe_sqrt(stretched.length_squared());
-    if length < 1e-18 {
-        return Vec3::Z;
-    }
-    let w = stretched * (1.0 / length);
-    let h = if kind == kinds::GGX {
-        ggx::sample_visible_normal(w, u)
-    } else {
-        beckmann::sample_visible_normal(w, u)
-    };
-    unit_normal(alpha.x * h.x, alpha.y * h.y, h.z)
+    Microfacets::new(kind, alpha, 1.0).sample_visible_normal(wi, u)
 }
 
-/// Density per solid angle of [`sample_visible_normal`].
+/// [`Microfacets::visible_normal_pdf`] of a kind without an exponent.
 #[inline]
 pub fn visible_normal_pdf(kind: u32, alpha: Vec2, wi: Vec3, m: Vec3) -> f32 {
-    let cos_i = wi.dot(m);
-    if wi.z < 0.0 || cos_i <= 0.0 {
-        return 0.0;
-    }
-    distribution(kind, alpha, m) * cos_i / projected_area(kind, alpha, wi)
+    Microfacets::new(kind, alpha, 1.0).visible_normal_pdf(wi, m)
 }
 
-/// A normal with density [`normal_pdf`], `D(m) m.z`.
+/// [`Microfacets::sample_normal`] of a kind without an exponent.
 #[inline]
 pub fn sample_normal(kind: u32, alpha: Vec2, u: Vec2) -> Vec3 {
-    let alpha = clamp_alpha(alpha);
-    // Slopes of unit roughness.
-    let slope = if kind == kinds::GGX {
-        ggx::sample_slope(u)
-    } else {
-        beckmann::sample_slope(u)
-    };
-    unit_normal(alpha.x * slope.x, alpha.y * slope.y, 1.0)
+    Microfacets::new(kind, alpha, 1.0).sample_normal(u)
 }
 
-/// Density per solid angle of [`sample_normal`].
+/// [`Microfacets::normal_pdf`] of a kind without an exponent.
 #[inline]
 pub fn normal_pdf(kind: u32, alpha: Vec2, m: Vec3) -> f32 {
-    distribution(kind, alpha, m) * m.z
+    Microfacets::new(kind, alpha, 1.0).normal_pdf(m)
 }
 
 /// The unit vector along `(x, y, z)`, `z >= 0`; up when all vanish.

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::math::{Rgb, float};
 use crate::scene::{
-    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, lobe_flag, lobe_kind,
+    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, lobe_flag, lobe_kind,
     texture::{eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};
@@ -294,7 +294,15 @@ fn lookup(
         lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
         return lobe;
     }
+    if record.kind == lobe_kind::ROUGH_DIFFUSE {
+        lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
+        lobe.alpha = Vec2::splat(eval_scalar(tables, &record.alpha_u, point));
+        return lobe;
+    }
     lobe.distribution = record.distribution;
+    if record.distribution == distribution::EXPONENTIAL_POWER {
+        lobe.exponent = eval_scalar(tables, &record.exponent, point);
+    }
     lobe.table = record.table;
     lobe.table_rows = record.table_rows;
     lobe.internal_reflectance = record.internal_reflectance;

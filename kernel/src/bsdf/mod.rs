@@ -18,6 +18,7 @@ pub mod null;
 pub mod plastic;
 pub mod rough_conductor;
 pub mod rough_dielectric;
+pub mod rough_diffuse;
 pub mod rough_plastic;
 pub mod rough_transmittance;
 pub mod thin_dielectric;
@@ -123,6 +124,8 @@ pub struct Lobe {
     pub coat_count: u32,
     /// The coats, outermost first.
     pub coats: [Coat; MAX_COATS],
+    /// Exponent of the exponential power distribution.
+    pub exponent: f32,
     /// One of [`mode`].
     pub mode: u32,
 }

@@ -8,10 +8,6 @@
 //! density by chi-square, reciprocity, values against another renderer.
 
 use super::fresnel::{fresnel_conductor, reflect};
-use super::microfacet::{
-    distribution, normal_pdf, projected_area, sample_normal, sample_visible_normal,
-    visible_normal_pdf,
-};
 use super::{BsdfSample, Lobe, event};
 use crate::math::Rgb;
 use crate::scene::lobe_flag;
@@ -24,9 +20,9 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
         return Rgb::ZERO;
     }
     let m = (wi + wo).normalize_or_zero();
-    let area = projected_area(lobe.distribution, lobe.alpha, wi)
-        * projected_area(lobe.distribution, lobe.alpha, wo);
-    let f = 0.25 * distribution(lobe.distribution, lobe.alpha, m) / area;
+    let facets = lobe.microfacets();
+    let area = facets.projected_area(wi) * facets.projected_area(wo);
+    let f = 0.25 * facets.distribution(m) / area;
     lobe.specular_reflectance * fresnel_conductor(wi.dot(m), lobe.eta, lobe.k) * f
 }
 
@@ -51,10 +47,11 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
         return BsdfSample::NONE;
     }
     let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
+    let facets = lobe.microfacets();
     let m = if all {
-        sample_normal(lobe.distribution, lobe.alpha, u2)
+        facets.sample_normal(u2)
     } else {
-        sample_visible_normal(lobe.distribution, lobe.alpha, wi, u2)
+        facets.sample_visible_normal(wi, u2)
     };
     let cos_i = wi.dot(m);
     let wo = reflect(wi, m);
@@ -65,12 +62,12 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     if pdf <= 0.0 {
         return BsdfSample::NONE;
     }
-    let masking_o = wo.z / projected_area(lobe.distribution, lobe.alpha, wo);
-    // f cos / pdf: D cancels, and with visible normals so does everything that belongs to wi.
+    let masking_o = wo.z / facets.projected_area(wo);
+    // f cos / pdf: D cancels, and with Smith's visible normals so does everything that belongs to wi.
     let weight = if all {
-        masking_o * cos_i / (projected_area(lobe.distribution, lobe.alpha, wi) * m.z)
+        masking_o * cos_i / (facets.projected_area(wi) * m.z)
     } else {
-        masking_o
+        masking_o * facets.visible_normal_weight(wi, m)
     };
     BsdfSample {
         wo,
@@ -85,9 +82,9 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
 #[inline]
 fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
     if lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0 {
-        normal_pdf(lobe.distribution, lobe.alpha, m)
+        lobe.microfacets().normal_pdf(m)
     } else {
-        visible_normal_pdf(lobe.distribution, lobe.alpha, wi, m)
+        lobe.microfacets().visible_normal_pdf(wi, m)
     }
 }
 

@@ -17,10 +17,6 @@
 //! finite for every roughness and index.
 
 use super::fresnel::{fresnel_dielectric, reflect, refract, relative_eta};
-use super::microfacet::{
-    distribution, normal_pdf, projected_area, sample_normal, sample_visible_normal,
-    visible_normal_pdf,
-};
 use super::{BsdfSample, Lobe, event, mode};
 use crate::math::Rgb;
 use crate::math::float::abs;
@@ -102,9 +98,9 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
         return Rgb::ZERO;
     }
     let reflectance = half.reflectance(lobe);
-    let area = projected_area(lobe.distribution, lobe.alpha, wi)
-        * projected_area(lobe.distribution, lobe.alpha, wo);
-    let d = distribution(lobe.distribution, lobe.alpha, half.m) / area;
+    let facets = lobe.microfacets();
+    let area = facets.projected_area(wi) * facets.projected_area(wo);
+    let d = facets.distribution(half.m) / area;
     if half.reflection {
         lobe.specular_reflectance * (0.25 * reflectance * d)
     } else {
@@ -152,10 +148,11 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
         };
     }
     let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
+    let facets = lobe.microfacets();
     let m = if all {
-        sample_normal(lobe.distribution, lobe.alpha, u2)
+        facets.sample_normal(u2)
     } else {
-        sample_visible_normal(lobe.distribution, lobe.alpha, above(wi), u2)
+        facets.sample_visible_normal(above(wi), u2)
     };
     let cos_i = wi.dot(m);
     if cos_i * wi.z <= 0.0 {
@@ -193,11 +190,13 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     if s.pdf <= 0.0 {
         return BsdfSample::NONE;
     }
-    // f cos / pdf: Fresnel terms, D and Jacobians cancel, and with visible normals so does everything of wi.
-    s.weight *= abs(s.wo.z) / projected_area(lobe.distribution, lobe.alpha, s.wo);
-    if all {
-        s.weight *= abs(cos_i) / (projected_area(lobe.distribution, lobe.alpha, wi) * m.z);
-    }
+    // f cos / pdf: Fresnel terms, D and Jacobians cancel, and with Smith's visible normals so does everything of wi.
+    s.weight *= abs(s.wo.z) / facets.projected_area(s.wo);
+    s.weight *= if all {
+        abs(cos_i) / (facets.projected_area(wi) * m.z)
+    } else {
+        facets.visible_normal_weight(above(wi), m)
+    };
     s
 }
 
@@ -211,9 +210,9 @@ fn above(w: Vec3) -> Vec3 {
 #[inline]
 fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
     if lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0 {
-        normal_pdf(lobe.distribution, lobe.alpha, m)
+        lobe.microfacets().normal_pdf(m)
     } else {
-        visible_normal_pdf(lobe.distribution, lobe.alpha, above(wi), m)
+        lobe.microfacets().visible_normal_pdf(above(wi), m)
     }
 }
 

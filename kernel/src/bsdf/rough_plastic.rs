@@ -12,7 +12,7 @@
 //! samples follow the density, values and densities of an independent renderer.
 
 use super::fresnel::reflect;
-use super::{BsdfSample, Lobe, coat_reflection, event, microfacet, plastic, rough_transmittance};
+use super::{BsdfSample, Lobe, coat_reflection, event, plastic, rough_transmittance};
 use crate::math::{Rgb, warp};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
@@ -46,7 +46,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     }
     let p = plastic::specular_probability(lobe, wi.z, 1.0 - passed(lobe, data, wi.z));
     let (wo, kind) = if u1 < p {
-        let m = microfacet::sample_visible_normal(lobe.distribution, lobe.alpha, wi, u2);
+        let m = lobe.microfacets().sample_visible_normal(wi, u2);
         (reflect(wi, m), event::GLOSSY)
     } else {
         (warp::square_to_cosine_hemisphere(u2), event::DIFFUSE)

@@ -11,7 +11,7 @@
 //! between its rows.
 
 use super::fresnel::{fresnel_dielectric, reflect, refract};
-use super::microfacet;
+use super::microfacet::{self, Microfacets};
 use crate::math::float;
 use crate::scene::NONE;
 use glam::{Vec2, Vec3};
@@ -70,16 +70,18 @@ const QUADRATURE: u32 = 48;
 /// when a scene is built: it accumulates in f64, which shaders lack.
 #[cfg(not(target_arch = "spirv"))]
 fn mean_over_visible_normals(kind: u32, alpha: f32, wi: Vec3, f: impl Fn(Vec3) -> f32) -> f32 {
-    let alpha = microfacet::clamp_alpha(Vec2::splat(alpha));
+    let facets = Microfacets::new(kind, Vec2::splat(alpha), 1.0);
     let step = 1.0 / QUADRATURE as f32;
     let mut sum = 0.0_f64;
     for i in 0..QUADRATURE {
         for j in 0..QUADRATURE {
             let u = Vec2::new((i as f32 + 0.5) * step, (j as f32 + 0.5) * step);
-            sum += f64::from(f(microfacet::sample_visible_normal(kind, alpha, wi, u)));
+            let m = facets.sample_visible_normal(wi, u);
+            sum += f64::from(f(m) * facets.visible_normal_weight(wi, m));
         }
     }
-    (sum / f64::from(QUADRATURE * QUADRATURE)) as f32
+    // Phong borrows its masking: at grazing angles its visible normals have a mass above one.
+    ((sum / f64::from(QUADRATURE * QUADRATURE)) as f32).min(1.0)
 }
 
 /// A direction with cosine `cos`, kept off the horizon.

@@ -199,3 +199,116 @@ pub fn erf_inv(x: f32) -> f32 {
         x * polynomial(C, 1.059_862_3 * sqrt(w) - 3.369_924_1)
     }
 }
+
+/// `Gamma(1 + x)` for `x` in [0, 10]; relative error below 1e-6.
+///
+/// Recurrence down to [0, 1], there the polynomial 6.1.36 of Abramowitz and Stegun 1964.
+#[inline]
+pub fn gamma_1p(x: f32) -> f32 {
+    const C: [f32; 9] = [
+        1.0,
+        -0.577191652,
+        0.988205891,
+        -0.897056937,
+        0.918206857,
+        -0.756704078,
+        0.482199394,
+        -0.193527818,
+        0.035868343,
+    ];
+    let mut x = x.clamp(0.0, 10.0);
+    let mut product = 1.0;
+    while x > 1.0 {
+        product *= x;
+        x -= 1.0;
+    }
+    product * polynomial(C, x)
+}
+
+/// `x^shape` at the quantile `u` of the Gamma distribution of unit scale, `shape` in [0.2, 5]: the power stays in range
+/// where `x` does not. `u` is in [0, 1), cut at 1 - 6e-8. Relative error below 2e-5 in the density's bulk (tested
+/// against f64).
+///
+/// Wilson and Hilferty's start, or the power law of small quantiles, then Halley's method on the incomplete Gamma
+/// function: its series below `shape + 1`, its continued fraction above (Abramowitz and Stegun 1964, 6.5.29, 6.5.31).
+pub fn inverse_gamma_distribution(shape: f32, u: f32) -> f32 {
+    let k = shape.clamp(0.2, 5.0);
+    let gamma = gamma_1p(k);
+    let upper = (1.0 - u).max(6e-8);
+    // P(x) = x^k / Gamma(1 + k) (1 - k x / (k + 1) + ...).
+    let power = u.max(0.0) * gamma;
+    let small = pow(power, 1.0 / k);
+    if small < 1e-5 {
+        return power;
+    }
+    let mut x = if small < 0.15 * (k + 1.0) {
+        small * (1.0 + small / (k + 1.0))
+    } else if k < 1.0 && upper < 0.5 {
+        // The tail is x^(k - 1) exp(-x) / Gamma(k).
+        let tail = -ln(upper * gamma / k);
+        tail.max(0.3)
+    } else {
+        let z = core::f32::consts::SQRT_2 * erf_inv(2.0 * u - 1.0);
+        let c = 1.0 / (9.0 * k);
+        let root = 1.0 - c + z * sqrt(c);
+        let x = k * root * root * root;
+        if x > 0.1 * small { x } else { small }
+    };
+    for _ in 0..6 {
+        // The density times x, x^k exp(-x) / Gamma(k).
+        let scaled = pow(x, k) * exp(-x) * k / gamma;
+        let error = if x < k + 1.0 {
+            gamma_series(k, x) * scaled - u
+        } else {
+            upper - gamma_fraction(k, x) * scaled
+        };
+        if scaled <= 0.0 {
+            break;
+        }
+        let newton = error / scaled;
+        // Relative steps; Halley's correction is limited where the start is far.
+        let halley = 1.0 - 0.5 * (newton * (k - 1.0 - x)).clamp(-1.0, 1.0);
+        let step = (newton / halley).clamp(-1.0, 0.7);
+        x *= 1.0 - step;
+        if abs(step) < 1e-5 {
+            break;
+        }
+    }
+    pow(x, k)
+}
+
+/// `P(k, x) Gamma(k) / (x^k exp(-x))` for `x < k + 1`.
+#[inline]
+fn gamma_series(k: f32, x: f32) -> f32 {
+    let mut term = 1.0 / k;
+    let mut sum = term;
+    for n in 1..32 {
+        term *= x / (k + n as f32);
+        sum += term;
+        if term < 1e-7 * sum {
+            break;
+        }
+    }
+    sum
+}
+
+/// `Q(k, x) Gamma(k) / (x^k exp(-x))` for `x >= k + 1`, by the modified Lentz method.
+#[inline]
+fn gamma_fraction(k: f32, x: f32) -> f32 {
+    let mut b = x + 1.0 - k;
+    let mut c = 1e30_f32;
+    let mut d = 1.0 / b;
+    let mut h = d;
+    for i in 1..32 {
+        let a = -(i as f32) * (i as f32 - k);
+        b += 2.0;
+        d = 1.0 / (a * d + b);
+        c = b + a / c;
+        let factor = c * d;
+        h *= factor;
+        if abs(factor - 1.0) < 1e-7 {
+            break;
+        }
+    }
+    h
+}

@@ -243,6 +243,10 @@ pub mod lobe_kind {
     pub const ROUGH_COAT: u32 = 13;
     /// Measured isotropic reflectance in the Rusinkiewicz parametrisation.
     pub const MERL: u32 = 14;
+    /// Rough diffuse reflection (Oren-Nayar).
+    pub const ROUGH_DIFFUSE: u32 = 9;
+    /// Conductor with reflection at the microfacets and diffraction at their finer roughness (CTD).
+    pub const DIFFRACTING_CONDUCTOR: u32 = 10;
 }
 
 /// Microfacet distributions.
@@ -251,6 +255,10 @@ pub mod distribution {
     pub const BECKMANN: u32 = 0;
     /// GGX (Trowbridge-Reitz).
     pub const GGX: u32 = 1;
+    /// Power of the cosine, with the exponent 2 / alpha^2 - 2.
+    pub const PHONG: u32 = 2;
+    /// Exponential power of the slope, with [`super::LobeRecord::exponent`].
+    pub const EXPONENTIAL_POWER: u32 = 3;
 }
 
 /// Flags of [`LobeRecord`].
@@ -311,6 +319,8 @@ pub struct LobeRecord {
     pub coat_count: u32,
     /// The coats, outermost first.
     pub coats: [CoatRecord; crate::bsdf::MAX_COATS],
+    /// Exponent of the exponential power distribution.
+    pub exponent: ScalarParameter,
 }
 
 /// A dielectric coat as what is below it sees it; its reflection is a lobe of its own.

@@ -95,6 +95,7 @@ pub fn lobe_record(kind: u32) -> LobeRecord {
         optical_depth: RgbParameter::constant([0.0; 3]),
         coat_count: 0,
         coats: [CoatRecord::NONE; halflight_kernel::bsdf::MAX_COATS],
+        exponent: ScalarParameter::constant(1.0),
     }
 }
 

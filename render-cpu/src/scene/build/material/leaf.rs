@@ -34,6 +34,13 @@ impl Builder {
                 };
                 lobe.reflectance = color(self, name, 0.5)?;
             }
+            "roughdiffuse" => {
+                lobe.kind = lobe_kind::ROUGH_DIFFUSE;
+                lobe.reflectance = color(self, "reflectance", 0.5)?;
+                lobe.alpha_u = self.scalar_parameter(object, "alpha", 0.2, mesh)?;
+                // The model is the full fit; the flag asks for a cheaper one.
+                object.get_bool("use_fast_approx", false)?;
+            }
             "conductor" | "roughconductor" => {
                 lobe.kind = lobe_kind::CONDUCTOR;
                 lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;

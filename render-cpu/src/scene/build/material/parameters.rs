@@ -45,6 +45,12 @@ impl Builder {
         lobe.distribution = match object.get_string("distribution", "beckmann")? {
             "beckmann" => distribution::BECKMANN,
             "ggx" => distribution::GGX,
+            // Mitsuba 0.6 calls the anisotropic form by its authors.
+            "phong" | "as" => distribution::PHONG,
+            "epd" => {
+                lobe.exponent = self.scalar_parameter(object, "exponent", 1.0, mesh)?;
+                distribution::EXPONENTIAL_POWER
+            }
             other => {
                 object.warn(format!(
                     "the distribution \"{other}\" is not supported; \"beckmann\" is used instead"
@@ -129,5 +135,6 @@ pub(super) fn empty_lobe(kind: u32) -> LobeRecord {
         optical_depth: RgbParameter::constant([0.0; 3]),
         coat_count: 0,
         coats: [CoatRecord::NONE; MAX_COATS],
+        exponent: ScalarParameter::constant(1.0),
     }
 }

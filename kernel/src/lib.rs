@@ -7,7 +7,7 @@
 //! # How to read it
 //! [`scene`] holds the plain records that a front end fills and the view that the algorithms read;
 //! [`bsdf`] turns a material record into scattering functions at a point; [`transport`] holds one
-//! algorithm per file. [`math`] is below all of them.
+//! algorithm per file; [`manifold`] explores chains of glossy and specular interactions. [`math`] is below all of them.
 //!
 //! # Conventions
 //! - Local frames have z along the shading normal; directions point away from the surface.
@@ -28,10 +28,14 @@
 //! | D, G1, G2 | `distribution`, `smith_g1`, product of two `smith_g1` |
 //! | eta, k | `eta`, `k` (real and imaginary index of refraction) |
 //! | x_0 ... x_k | path vertices, light to sensor |
+//! | h, h_perp, h_pp | `half_vector`, `projected`, `slope` |
+//! | A_i, B_i, C_i | `Constraint` with blocks `a`, `b`, `c` |
+//! | J, T_i, D_i | `ChainJacobian`, `transfer`, `row_of_inverse` |
 
 #![cfg_attr(not(feature = "std"), no_std)]
 
 pub mod bsdf;
+pub mod manifold;
 pub mod math;
 pub mod sampler;
 pub mod scene;

@@ -1,11 +1,16 @@
 //! Numbers, vectors, frames and mappings that everything else stands on.
 
 pub mod affine;
+pub mod block_tridiagonal;
+pub mod disk_lobe;
 pub mod distribution;
 pub mod filter;
 pub mod float;
 pub mod frame;
+pub mod moebius;
 pub mod ray;
+pub mod scaled;
+pub mod slope_gaussian;
 pub mod statistics;
 pub mod warp;
 

@@ -229,11 +229,7 @@ fn hidden_emitters_light_but_are_not_seen() {
     );
     let hidden =
         r#"<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>"#;
-    let lit = mean(&film(&scene(hidden, content), 256, 1)).0;
-    // Form factor of a sphere of radius r at height h above a plane element: (r / h)^2, at most 0.25 off axis.
-    assert!(
-        lit[0] > 0.5 * 4.0 * 0.2 && lit[0] < 0.5 * 4.0 * 0.25 + 1e-3,
-        "{}",
-        lit[0]
-    );
+    // The value of Mitsuba 3.9.1 on the same scene, whose standard error is below 5e-4.
+    let (lit, error) = mean(&film(&scene(hidden, content), 1024, 1));
+    assert!((lit[0] - 0.4683).abs() < 4.5 * error[0] + 2e-3, "{}", lit[0]);
 }

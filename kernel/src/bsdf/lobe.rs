@@ -182,6 +182,18 @@ fn both_inside(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Way, Way) {
     (i, o)
 }
 
+/// Both directions in the frame of the model, below the coats; false where the lobe is zero.
+#[inline]
+pub(super) fn inner_directions(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    wo: Vec3,
+) -> (Vec3, Vec3, bool) {
+    let (i, o) = both_inside(lobe, data, wi, wo);
+    (i.w, o.w, o.valid)
+}
+
 /// `w` in the frame of the model.
 #[inline]
 fn inside(lobe: &Lobe, data: &[f32], flip: bool, w: Vec3) -> Way {
@@ -280,7 +292,7 @@ fn same_side(a: Vec3, b: Vec3) -> bool {
 
 /// The value of the lobe's model in its own frame.
 #[inline]
-fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+pub(super) fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     match lobe.kind {
         lobe_kind::DIFFUSE => diffuse::eval(lobe, wi, wo),
         lobe_kind::ROUGH_CONDUCTOR => rough_conductor::eval(lobe, wi, wo),

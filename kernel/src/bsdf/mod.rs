@@ -12,6 +12,7 @@ pub mod diffuse;
 pub mod frame_map;
 pub mod fresnel;
 pub mod lobe;
+pub mod local_roughness;
 pub mod microfacet;
 pub mod mixture;
 pub mod null;
@@ -24,6 +25,7 @@ pub mod rough_transmittance;
 pub mod thin_dielectric;
 
 pub use coat::Coat;
+pub use local_roughness::local_beckmann_roughness;
 pub use mixture::Bsdf;
 
 use crate::math::{Frame, Rgb};

@@ -117,6 +117,11 @@ fn rough_coat_samples_its_density() {
 }
 
 #[test]
+fn measured_lobe_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::MERL);
+}
+
+#[test]
 fn coated_lobes_sample_their_density() {
     let mut cases = coated_cases();
     cases.retain(|case| case.lobe.coat_count > 0);

@@ -241,7 +241,7 @@ fn table_over_roughness_interpolates() {
             let found = internal_reflectance(&table, 0, ROWS as u32, alpha);
             worst.y = worst.y.max((found - row[ENTRIES]).abs());
         }
-        assert!(worst.x < 8e-3 && worst.y < 2e-3, "{kind}: {worst}");
+        assert!(worst.x < 1.2e-2 && worst.y < 2e-3, "{kind}: {worst}");
         // Roughness beyond the table is that of its last row.
         let last = transmittance(&table, 0, ROWS as u32, eta, 1.0, 0.5);
         assert_eq!(transmittance(&table, 0, ROWS as u32, eta, 7.0, 0.5), last);

@@ -34,6 +34,7 @@ pub mod film;
 pub mod heatmap;
 pub mod image_io;
 pub mod image_metadata;
+pub mod measured;
 pub mod merge;
 pub mod mesh;
 pub mod metrics;

@@ -231,5 +231,9 @@ fn hidden_emitters_light_but_are_not_seen() {
         r#"<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>"#;
     // The value of Mitsuba 3.9.1 on the same scene, whose standard error is below 5e-4.
     let (lit, error) = mean(&film(&scene(hidden, content), 1024, 1));
-    assert!((lit[0] - 0.4683).abs() < 4.5 * error[0] + 2e-3, "{}", lit[0]);
+    assert!(
+        (lit[0] - 0.4683).abs() < 4.5 * error[0] + 2e-3,
+        "{}",
+        lit[0]
+    );
 }

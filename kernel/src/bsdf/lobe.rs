@@ -18,7 +18,7 @@ use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::microfacet::{self, Microfacets};
 use super::{
     BsdfSample, Coat, Lobe, MAX_COATS, coat, coat_reflection, conductor, dielectric, diffuse,
-    event, frame_map, mode, null, plastic, rough_conductor, rough_dielectric, rough_diffuse,
+    event, frame_map, merl, mode, null, plastic, rough_conductor, rough_dielectric, rough_diffuse,
     rough_plastic, thin_dielectric,
 };
 use crate::math::{Frame, Rgb, float};
@@ -301,6 +301,7 @@ pub(super) fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         lobe_kind::ROUGH_PLASTIC => rough_plastic::eval(lobe, data, wi, wo),
         lobe_kind::ROUGH_COAT => coat_reflection::eval(lobe, wi, wo),
         lobe_kind::ROUGH_DIFFUSE => rough_diffuse::eval(lobe, wi, wo),
+        lobe_kind::MERL => merl::eval(lobe, data, wi, wo),
         // Discrete directions have no value.
         _ => Vec3::ZERO,
     }
@@ -316,6 +317,7 @@ fn model_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         lobe_kind::ROUGH_PLASTIC => rough_plastic::pdf(lobe, data, wi, wo),
         lobe_kind::ROUGH_COAT => coat_reflection::pdf(lobe, wi, wo),
         lobe_kind::ROUGH_DIFFUSE => rough_diffuse::pdf(lobe, wi, wo),
+        lobe_kind::MERL => merl::pdf(lobe, data, wi, wo),
         _ => 0.0,
     }
 }
@@ -332,6 +334,7 @@ fn model_sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfS
         lobe_kind::PLASTIC => plastic::sample(lobe, wi, u1, u2),
         lobe_kind::ROUGH_PLASTIC => rough_plastic::sample(lobe, data, wi, u1, u2),
         lobe_kind::COAT | lobe_kind::ROUGH_COAT => coat_reflection::sample(lobe, wi, u1, u2),
+        lobe_kind::MERL => merl::sample(lobe, data, wi, u1, u2),
         lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
         lobe_kind::ROUGH_DIFFUSE => rough_diffuse::sample(lobe, wi, u1, u2),
         _ => BsdfSample::NONE,
@@ -345,7 +348,7 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     if !is_active(lobe.flags, wi) && lobe.kind != lobe_kind::NULL {
         return Vec3::ZERO;
     }
-    model_albedo(lobe, wi) * coats_albedo(lobe, data, wi)
+    model_albedo(lobe, data, wi) * coats_albedo(lobe, data, wi)
 }
 
 /// What the coats leave of the colour of the lobe below them.
@@ -367,7 +370,7 @@ fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
 
 /// [`albedo`] below the coats.
 #[inline]
-fn model_albedo(lobe: &Lobe, wi: Vec3) -> Rgb {
+fn model_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     match lobe.kind {
         lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => lobe.reflectance,
         lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
@@ -375,6 +378,10 @@ fn model_albedo(lobe: &Lobe, wi: Vec3) -> Rgb {
         }
         lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
         lobe_kind::NULL => Vec3::ONE,
+        // Cells are coarse: where the albedo of one is nothing, some direction may still reflect.
+        lobe_kind::MERL => {
+            merl::albedo(lobe, data, float::abs(wi.z)).clamp(Vec3::splat(1e-3), Vec3::ONE)
+        }
         lobe_kind::COAT | lobe_kind::ROUGH_COAT => lobe.specular_reflectance * coat_share(lobe, wi),
         _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
     }
@@ -387,7 +394,7 @@ pub fn selection_weight(lobe: &Lobe, data: &[f32], wi: Vec3) -> f32 {
     if !is_active(lobe.flags, wi) && lobe.kind != lobe_kind::NULL {
         return 0.0;
     }
-    let mut colour = model_albedo(lobe, wi);
+    let mut colour = model_albedo(lobe, data, wi);
     if lobe.kind == lobe_kind::PLASTIC || lobe.kind == lobe_kind::ROUGH_PLASTIC {
         colour = colour.max(lobe.specular_reflectance);
     }
@@ -410,6 +417,7 @@ fn coat_share(lobe: &Lobe, wi: Vec3) -> f32 {
 pub fn events(kind: u32) -> u32 {
     match kind {
         lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => event::REFLECTION | event::DIFFUSE,
+        lobe_kind::MERL => event::REFLECTION | event::GLOSSY,
         lobe_kind::CONDUCTOR | lobe_kind::COAT => event::REFLECTION | event::DELTA,
         lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT => event::REFLECTION | event::GLOSSY,
         lobe_kind::DIELECTRIC | lobe_kind::THIN_DIELECTRIC => {

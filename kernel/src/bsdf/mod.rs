@@ -13,6 +13,10 @@ pub mod frame_map;
 pub mod fresnel;
 pub mod lobe;
 pub mod local_roughness;
+pub mod merl;
+// Hosts build the table when a scene is built: it takes a tenth of a second.
+#[cfg(not(target_arch = "spirv"))]
+pub mod merl_table;
 pub mod microfacet;
 pub mod mixture;
 pub mod null;

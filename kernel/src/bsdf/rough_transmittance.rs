@@ -7,7 +7,7 @@
 //! one row; a texture reads [`ROWS`] rows at alpha = (j / (rows - 1))^2, linear in sqrt(alpha), clamped at alpha = 1.
 //!
 //! Domain: alpha and cosines are clamped to [0, 1]; the index is interior over exterior. Invariants (tests): a table row
-//! equals the quadrature at its nodes, and the many-row table is within 8e-3 of the one-row table at roughnesses
+//! equals the quadrature at its nodes, and the many-row table is within 0.012 of the one-row table at roughnesses
 //! between its rows.
 
 use super::fresnel::{fresnel_dielectric, reflect, refract};

@@ -2,6 +2,7 @@
 
 use super::coated::{coated_cases, under_two_coats};
 use super::direction_at;
+use super::measured::measured_case;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
 use halflight_kernel::bsdf::rough_transmittance::{self, ENTRIES, ROW};
@@ -115,6 +116,7 @@ pub fn smooth_cases() -> Vec<Case> {
         }
     }
     cases.extend(coated_cases());
+    cases.push(measured_case());
     cases
 }
 

@@ -8,6 +8,7 @@ pub mod coated;
 pub mod furnace;
 pub mod light_scene;
 pub mod lobes;
+pub mod measured;
 pub mod oracle;
 pub mod tables;
 

@@ -123,9 +123,6 @@ impl Builder {
         let thickness = object.get_float_in("thickness", 1.0, 0.0, f64::MAX)? as f32;
         let mut depth =
             self.rgb_parameter(object, "sigma_a", ColorUse::Unbounded, [0.0; 3], mesh)?;
-        if depth.value.iter().any(|&v| v < 0.0) {
-            return Err(object.property_error("sigma_a", "an absorption cannot be negative"));
-        }
         depth.value = depth.value.map(|v| v * thickness);
         Ok(depth)
     }

@@ -1,6 +1,8 @@
 //! Plugins that scatter by themselves: each becomes one lobe.
 
 use super::parameters::{empty_lobe, relative_index};
+use crate::bytes::read_file;
+use crate::measured::merl::{self, Merl};
 use crate::scene::build::Builder;
 use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
@@ -74,6 +76,10 @@ impl Builder {
                 }
                 self.plastic_layer(object, mesh, eta, &mut lobe)?;
             }
+            "merl" => {
+                lobe.kind = lobe_kind::MERL;
+                lobe.table = self.measured(object)?;
+            }
             "null" => lobe.kind = lobe_kind::NULL,
             other => {
                 object.warn(format!(
@@ -83,5 +89,23 @@ impl Builder {
             }
         }
         Ok(lobe)
+    }
+
+    /// The measured reflectance in the file that `filename` names, as a place in the data table.
+    fn measured(&mut self, object: &Object) -> Result<u32, SceneError> {
+        let path = object.require_file("filename")?;
+        let wrong =
+            |what: String| object.property_error("filename", format!("{}: {what}", path.display()));
+        let bytes = read_file(&path, merl::MAX_BYTES).map_err(|error| wrong(error.to_string()))?;
+        let measured = Merl::read(&bytes).map_err(|error| wrong(error.to_string()))?;
+        if measured.cells != merl::DATABASE_CELLS {
+            let [h, d, p] = measured.cells;
+            object.warn(format!(
+                "{h} x {d} x {p} cells, where files of the MERL database have 90 x 90 x 180"
+            ))?;
+        }
+        let first = self.tables.data.len() as u32;
+        self.tables.data.extend_from_slice(&measured.table());
+        Ok(first)
     }
 }

@@ -1,0 +1,3 @@
+//! Readers of measured scattering functions.
+
+pub mod merl;

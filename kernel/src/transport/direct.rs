@@ -7,8 +7,8 @@
 //! masks does not count as scattering.
 
 use super::IntegratorSettings;
-use super::path::{is_same_side, power_heuristic};
-use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
+use super::path::{SampleCounts, emitter_sample, is_same_side, power_heuristic};
+use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
@@ -54,9 +54,21 @@ pub fn radiance<T: Traverse, S: Sampler>(
         }
         let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
         if bsdf.has_smooth() {
+            let counts = SampleCounts {
+                emitter: settings.emitter_samples as f32,
+                bsdf: settings.bsdf_samples as f32,
+            };
             for _ in 0..settings.emitter_samples {
-                radiance +=
-                    transmitted * emitter_sample(view, settings, sampler, &point, &bsdf, wi);
+                radiance += transmitted
+                    * emitter_sample(
+                        view,
+                        sampler,
+                        &point,
+                        &bsdf,
+                        wi,
+                        settings.strict_normals != 0,
+                        counts,
+                    );
             }
         }
         for _ in 0..settings.bsdf_samples {
@@ -70,45 +82,6 @@ pub fn radiance<T: Traverse, S: Sampler>(
         pass_through(&mut ray, &point);
     }
     radiance
-}
-
-/// One of the emitter samples, divided by their number.
-fn emitter_sample<T: Traverse, S: Sampler>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    sampler: &mut S,
-    point: &SurfacePoint,
-    bsdf: &Bsdf,
-    wi: Vec3,
-) -> Rgb {
-    let tables = &view.tables;
-    let u_select = sampler.next_1d();
-    let u = sampler.next_2d();
-    let light = emitter::sample_direct(tables, point.position, u_select, u);
-    if light.pdf <= 0.0 {
-        return Rgb::ZERO;
-    }
-    let wo = point.frame.to_local(light.direction);
-    if settings.strict_normals != 0 && !is_same_side(point, light.direction, wo.z) {
-        return Rgb::ZERO;
-    }
-    let (value, pdf) = bsdf.eval_cosine_pdf(tables.data, wi, wo);
-    if value.max_element() <= 0.0 {
-        return Rgb::ZERO;
-    }
-    let emitter_count = settings.emitter_samples as f32;
-    let weight = if light.is_delta {
-        1.0
-    } else {
-        power_heuristic(
-            emitter_count * light.pdf,
-            settings.bsdf_samples as f32 * pdf,
-        )
-    };
-    value
-        * light.radiance
-        * (weight / (light.pdf * emitter_count))
-        * transmittance(view, point, &light)
 }
 
 /// One of the BSDF samples, divided by their number.

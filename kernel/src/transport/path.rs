@@ -111,7 +111,19 @@ pub fn radiance<T: Traverse, S: Sampler>(
         }
         let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
         if bsdf.has_smooth() {
-            radiance += throughput * emitter_sample(view, settings, sampler, &point, &bsdf, wi);
+            radiance += throughput
+                * emitter_sample(
+                    view,
+                    sampler,
+                    &point,
+                    &bsdf,
+                    wi,
+                    settings.strict_normals != 0,
+                    SampleCounts {
+                        emitter: 1.0,
+                        bsdf: 1.0,
+                    },
+                );
         }
 
         let u1 = sampler.next_1d();
@@ -156,14 +168,16 @@ pub fn radiance<T: Traverse, S: Sampler>(
     radiance
 }
 
-/// Light of one emitter point reflected towards `wi`, weighted against the walk.
-fn emitter_sample<T: Traverse, S: Sampler>(
+/// Light of one emitter point reflected towards `wi`, one of `emitter_count` samples that compete with `bsdf_count`
+/// samples of the BSDF, divided by their number.
+pub(super) fn emitter_sample<T: Traverse, S: Sampler>(
     view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
     sampler: &mut S,
     point: &SurfacePoint,
     bsdf: &Bsdf,
     wi: Vec3,
+    strict_normals: bool,
+    counts: SampleCounts,
 ) -> Rgb {
     let tables = &view.tables;
     let u_select = sampler.next_1d();
@@ -173,7 +187,7 @@ fn emitter_sample<T: Traverse, S: Sampler>(
         return Rgb::ZERO;
     }
     let wo = point.frame.to_local(light.direction);
-    if settings.strict_normals != 0 && !is_same_side(point, light.direction, wo.z) {
+    if strict_normals && !is_same_side(point, light.direction, wo.z) {
         return Rgb::ZERO;
     }
     let (value, pdf) = bsdf.eval_cosine_pdf(tables.data, wi, wo);
@@ -183,10 +197,19 @@ fn emitter_sample<T: Traverse, S: Sampler>(
     let weight = if light.is_delta {
         1.0
     } else {
-        power_heuristic(light.pdf, pdf)
+        power_heuristic(counts.emitter * light.pdf, counts.bsdf * pdf)
     };
-    let contribution = value * light.radiance * (weight / light.pdf);
-    contribution * transmittance(view, point, &light)
+    value
+        * light.radiance
+        * (weight / (light.pdf * counts.emitter))
+        * transmittance(view, point, &light)
+}
+
+/// How many samples of each technique a vertex takes.
+#[derive(Clone, Copy)]
+pub(super) struct SampleCounts {
+    pub emitter: f32,
+    pub bsdf: f32,
 }
 
 /// Whether a direction with local cosine `cos_theta` is on the same side of both normals.

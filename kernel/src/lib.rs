@@ -7,7 +7,8 @@
 //! # How to read it
 //! [`scene`] holds the plain records that a front end fills and the view that the algorithms read;
 //! [`bsdf`] turns a material record into scattering functions at a point; [`transport`] holds one
-//! algorithm per file; [`manifold`] explores chains of glossy and specular interactions. [`math`] is below all of them.
+//! algorithm per file; [`manifold`] explores chains of glossy and specular interactions, [`regularize`] blurs what
+//! cannot be sampled. [`math`] is below all of them.
 //!
 //! # Conventions
 //! - Local frames have z along the shading normal; directions point away from the surface.
@@ -37,6 +38,7 @@
 pub mod bsdf;
 pub mod manifold;
 pub mod math;
+pub mod regularize;
 pub mod sampler;
 pub mod scene;
 pub mod transport;

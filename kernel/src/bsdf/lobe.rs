@@ -271,6 +271,33 @@ fn value_factor(lobe: &Lobe, i: &Way, o: &Way) -> Rgb {
     i.transmittance * o.transmittance * cosine
 }
 
+/// A pair of directions below the coats in the frame of a lobe's model, for code that evaluates a model of its own there.
+pub(crate) struct InnerPair {
+    /// The known direction.
+    pub wi: Vec3,
+    /// The other one.
+    pub wo: Vec3,
+    /// Factor on a value times the cosine of the model's frame: coats, terminator and Jacobian.
+    pub factor: Rgb,
+    /// Factor on a density.
+    pub jacobian: f32,
+    /// Whether the lobe scatters between the two at all.
+    pub valid: bool,
+}
+
+/// The directions as [`eval_cosine`] sees them.
+#[inline]
+pub(crate) fn inner_pair(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> InnerPair {
+    let (i, o) = both_inside(lobe, data, wi, wo);
+    InnerPair {
+        wi: i.w,
+        wo: o.w,
+        factor: i.transmittance * o.transmittance * (o.jacobian * shadowing(lobe, &i, &o)),
+        jacobian: o.jacobian,
+        valid: o.valid,
+    }
+}
+
 /// The terminator term of a perturbed frame: on camera paths light comes along `wo`, on light paths along `wi`.
 #[inline]
 fn shadowing(lobe: &Lobe, i: &Way, o: &Way) -> f32 {

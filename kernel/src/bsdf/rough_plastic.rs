@@ -66,7 +66,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
 
 /// Share of the light from cosine `cos` that passes the coating.
 #[inline]
-fn passed(lobe: &Lobe, data: &[f32], cos: f32) -> f32 {
+pub(crate) fn passed(lobe: &Lobe, data: &[f32], cos: f32) -> f32 {
     rough_transmittance::transmittance(
         data,
         lobe.table,

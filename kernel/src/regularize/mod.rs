@@ -1,0 +1,57 @@
+//! Regularisation: making light paths samplable by blurring what cannot be sampled, less and less so.
+//!
+//! A path of specular and glossy vertices between a point light and a pinhole has no neighbour that a local sampler
+//! could find. Regularisation replaces a delta distribution, or a narrow lobe, by a wider function and lets its width
+//! shrink over the iterations: every image is biased, the sequence converges to the truth.
+//!
+//! | file | what for |
+//! |---|---|
+//! | [`mollifier`] | kernels of unit mass in 1 to 3 dimensions, sampled and evaluated, with the moments that give bias and variance |
+//! | [`cone`] | the same on directions: constant and smooth cones around a specular direction |
+//! | [`bandwidth`] | how width shrinks: `r_0 n^-lambda`, `r_0 gamma^n`, `tau_N` |
+//! | [`bounds`] | how large a microfacet BSDF can be for its roughness, and the roughness for a largest value |
+//! | [`regularized_bsdf`] | a lobe or material evaluated below tau, and its density for multiple importance sampling |
+//! | [`heuristic`] | where a path needs it: sampler quality and path diffusion |
+//! | [`virtual_merge`] | the alternative by random acceptance |
+//! | [`progressive`] | photon mapping with a fixed schedule of radii |
+//! | [`photon_statistics`] | photon mapping with a radius per pixel from its own statistics |
+//!
+//! Sources: Kaplanyan 2017 (thesis), chapters 5 and 6 (Kaplanyan and Dachsbacher 2013, "Path Space Regularization for
+//! Holistic and Robust Light Transport" and "Adaptive Progressive Photon Mapping"); Jendersie and Grosch 2019,
+//! "Microfacet Model Regularization for Robust Light Transport". The command `halflight experiment` reproduces their
+//! statements on integrals with known answers.
+//!
+//! # Notation
+//! | symbol | name here |
+//! |---|---|
+//! | phi_r, K | mollifier of bandwidth r, kernel of bandwidth 1 |
+//! | r_n, lambda, gamma | bandwidth of sample n, its exponent, its factor per mutation |
+//! | M_2, k2; k3 | [`mollifier::second_moment`] (per axis), [`mollifier::square_norm`] |
+//! | tau, tau_N | largest value of a regularised BSDF per steradian, in iteration N |
+//! | rho-bar, alpha-hat | [`bounds`] and their inverses, `*_bound` and `*_alpha` |
+//! | rho-hat, p-hat | [`regularized_bsdf::eval_cosine_pdf`] |
+//! | q, sigma_angle, sigma_x | [`heuristic::SamplerQuality`], [`heuristic::PathDiffusion`] |
+//! | psi, p_l, Delta I | contribution, density, Laplacian in [`photon_statistics`] |
+//!
+//! # Misprints and gaps of the papers, and the tests that settle them
+//! - Thesis, proof of lemma 1: the lower bound of the bandwidth is O(n^(-1/d)), not O(n^(1/d)); `regularize_bandwidth`.
+//! - Thesis, section 6.3.1: the variance's constant is g(0)^2, once printed as g(0), and holds for importance sampling
+//!   p = g only up to g(0)/p(0); for two vertices the fastest exponent is 1/8, not 1/12; `regularize_bandwidth`.
+//! - Thesis, after 5.3: Perlin's kernel over pi r^2 has mass 2/7; after 5.13: k2 is the 1D moment, 5/48 is meant;
+//!   `regularize_mollifier`.
+//! - Thesis, 5.12: the number of photons in the disk varies, its variance must not be dropped; `regularize_photons`.
+//! - Thesis, 5.18: the constant 1.9635 is not reproduced by Silverman's rule, and sigma is not a length;
+//!   `regularize_photons`.
+//! - Jendersie and Grosch, equation 7: the denominator is (n_i i.h + n_t o.h)^2; equations 8 and 9 fail for Beckmann
+//!   above alpha = 1/sqrt(2), for height-correlated masking and for V-cavities; `regularize_bounds`.
+//! - Jendersie and Grosch, equation 20: the footprint grows by the deviation after scattering; `regularize_heuristic`.
+
+pub mod bandwidth;
+pub mod bounds;
+pub mod cone;
+pub mod heuristic;
+pub mod mollifier;
+pub mod photon_statistics;
+pub mod progressive;
+pub mod regularized_bsdf;
+pub mod virtual_merge;

@@ -198,7 +198,7 @@ fn determinant_inverse_rows_and_transfer_agree_with_a_dense_inverse() {
             }
             // The transfer's determinant as a product, against one of the matrix where that is well conditioned.
             let expected = (inverse.get(0, s.n - 1) * coupling).determinant();
-            let product = f64::from(lu.transfer_determinant(0, s.n).ln_abs());
+            let product = f64::from(lu.transfer_determinant(&s.c, 0, s.n).ln_abs());
             if expected.abs() > 1e-3 * size(inverse.get(0, s.n - 1) * coupling).powi(2) {
                 let error = (product - expected.abs().ln()).abs();
                 prop_assert!(

@@ -113,7 +113,10 @@ impl<const N: usize> ChainJacobian<N> {
             return 1.0;
         }
         let k = self.len - 1;
-        self.lu.transfer_determinant(1, k - 1).abs().value()
+        self.lu
+            .transfer_determinant(&self.c, 1, k - 1)
+            .abs()
+            .value()
     }
 }
 
@@ -168,11 +171,11 @@ pub fn generalized_geometry_term<const N: usize>(
     let last = jacobian.len - 1;
     let at_sensor = jacobian.lu.pivot_determinant(last).abs();
     let along = if vertices[0].kind == vertex_kind::PINNED_DIRECTION {
-        jacobian.lu.transfer_determinant(0, last)
+        jacobian.lu.transfer_determinant(&jacobian.c, 0, last)
     } else {
         jacobian
             .lu
-            .transfer_determinant(1, last)
+            .transfer_determinant(&jacobian.c, 1, last)
             .times(geometry_term(&vertices[0], &vertices[1]))
     };
     along.abs().over(at_sensor)

@@ -81,9 +81,10 @@ pub struct BlockLu<const N: usize> {
     pivot_inverse: [Mat2; N],
     /// U_i; that of the last row belongs to the vertex behind it.
     upper: [Mat2; N],
+    /// det L_i over the square of the scale, and the scale.
+    pivot: [Vec2; N],
     len: usize,
     singular: bool,
-    determinant: Scaled,
     /// Largest absolute column sum of J.
     norm: f32,
 }
@@ -94,9 +95,9 @@ impl<const N: usize> BlockLu<N> {
         lower: [Mat2::ZERO; N],
         pivot_inverse: [Mat2::ZERO; N],
         upper: [Mat2::ZERO; N],
+        pivot: [Vec2::ZERO; N],
         len: 0,
         singular: true,
-        determinant: Scaled::ZERO,
         norm: 0.0,
     };
 
@@ -107,7 +108,6 @@ impl<const N: usize> BlockLu<N> {
         let mut lu = BlockLu {
             len,
             singular: false,
-            determinant: Scaled::ONE,
             ..BlockLu::SINGULAR
         };
         if len > N || len > a.len() || len > b.len() || len > c.len() {
@@ -126,11 +126,7 @@ impl<const N: usize> BlockLu<N> {
             lu.lower[i] = lower;
             lu.pivot_inverse[i] = pivot.inverse;
             lu.upper[i] = upper;
-            lu.determinant = lu
-                .determinant
-                .times(pivot.determinant)
-                .times(pivot.scale)
-                .times(pivot.scale);
+            lu.pivot[i] = Vec2::new(pivot.determinant, pivot.scale);
             previous = upper;
         }
         for i in 0..len {
@@ -149,7 +145,6 @@ impl<const N: usize> BlockLu<N> {
     fn refuse(&mut self) {
         self.len = 0;
         self.singular = true;
-        self.determinant = Scaled::ZERO;
     }
 
     /// Whether a pivot was singular or the input not finite. Every result is then zero.
@@ -161,7 +156,14 @@ impl<const N: usize> BlockLu<N> {
     /// The determinant with its sign.
     #[inline]
     pub fn determinant(&self) -> Scaled {
-        self.determinant
+        if self.singular {
+            return Scaled::ZERO;
+        }
+        let mut determinant = Scaled::ONE;
+        for i in 0..self.len.min(N) {
+            determinant = times_pivot(determinant, self.pivot[i]);
+        }
+        determinant
     }
 
     /// Solves J x = h in place. False, and zeros, when there is no finite solution.
@@ -291,18 +293,19 @@ impl<const N: usize> BlockLu<N> {
         }
     }
 
-    /// The determinant of T_row = dx_row / dx_vertex, the product of those of U_i: it keeps its precision where the elements
-    /// of the matrix cancel, and its range where they overflow. Zero when singular.
+    /// The determinant of T_row = dx_row / dx_vertex, `prod det C_i / det L_i`: it keeps its precision where the elements of
+    /// the matrix cancel, and its range where they overflow. `c` is what was factored. Zero when singular.
     #[inline]
-    pub fn transfer_determinant(&self, row: usize, vertex: usize) -> Scaled {
-        if self.singular || vertex > self.len {
+    pub fn transfer_determinant(&self, c: &[Mat2], row: usize, vertex: usize) -> Scaled {
+        if self.singular || vertex > self.len || vertex > c.len() {
             return Scaled::ZERO;
         }
-        let mut determinant = Scaled::ONE;
+        let (mut above, mut below) = (Scaled::ONE, Scaled::ONE);
         for i in row..vertex.min(N) {
-            determinant = determinant.times(determinant2(self.upper[i]));
+            above = above.times(determinant2(c[i]));
+            below = times_pivot(below, self.pivot[i]);
         }
-        determinant
+        above.over(below)
     }
 
     /// det L_row, zero when singular.
@@ -311,7 +314,7 @@ impl<const N: usize> BlockLu<N> {
         if self.singular || row >= self.len.min(N) {
             return Scaled::ZERO;
         }
-        Scaled::ONE.over(Scaled::ONE.times(determinant2(self.pivot_inverse[row])))
+        times_pivot(Scaled::ONE, self.pivot[row])
     }
 
     /// Estimate of the condition in the 1-norm, `|J| |J^-1|`, from below and rarely off by more than a factor of three
@@ -369,6 +372,12 @@ impl<const N: usize> BlockLu<N> {
         }
         (estimate * self.norm).min(f32::MAX)
     }
+}
+
+/// Product with the determinant of a pivot.
+#[inline]
+fn times_pivot(x: Scaled, pivot: Vec2) -> Scaled {
+    x.times(pivot.x).times(pivot.y).times(pivot.y)
 }
 
 /// Determinant of a 2x2 matrix.

@@ -257,8 +257,14 @@ fn singular_systems_are_refused() {
         &[Mat2::ZERO; 3],
         3
     ));
-    // A Schur complement that vanishes: 1 - 1 1 1.
+    // A Schur complement that vanishes, 1 - 1 1 1, and one that is rounding.
     assert!(refused(&one, &one, &one, 2));
+    assert!(refused(
+        &one,
+        &[one[0], one[0] * (1.0 + f32::EPSILON)],
+        &one,
+        2
+    ));
     for bad in [f32::NAN, f32::INFINITY, 0.0] {
         let zero = [Mat2::ZERO; 3];
         assert!(refused(&zero, &[one[0], one[0] * bad], &one, 2));

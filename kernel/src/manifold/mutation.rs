@@ -25,11 +25,11 @@ use super::vertex::{ChainVertex, vertex_kind};
 use super::walk::{
     WalkOptions, is_same_path, predict, residual, starts_at_sensor, walk, walk_status,
 };
-use crate::math::block_tridiagonal::determinant2;
+use crate::math::block_tridiagonal::{determinant2, invert};
 use crate::math::float::abs;
-use crate::math::scaled::Scaled;
+use crate::math::scaled::{Scaled, is_finite2};
 use crate::scene::{SceneView, Traverse};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 /// What a mutation has come to.
 pub mod mutation_kind {
@@ -143,50 +143,23 @@ fn jump<T: Traverse, const N: usize>(
     if !found.is_regular() {
         return;
     }
+    let forward = prediction_between(start, &trial.vertices, len, jacobian, from_sensor);
     let back_from_sensor = starts_at_sensor(&found);
-    let back = retrace_prediction(&trial.vertices, start, len, &found, back_from_sensor);
-    if !back.valid {
+    let backward = prediction_between(&trial.vertices, start, len, &found, back_from_sensor);
+    if !forward.valid || !backward.valid {
         return;
     }
-    // Pinned ends keep exactly what they are pinned to.
-    let moved = found.apply(&back.offsets);
-    let mut reverse_target = found.h;
-    for i in 1..(len - 1).min(N) {
-        reverse_target[i] = found.h[i] + moved[i];
-    }
-    let reverse = walk(view, &trial.vertices, &found, &reverse_target, options);
+    let reverse = walk(view, &trial.vertices, &found, &backward.target, options);
     out.reverse_iterations = reverse.iterations;
     if reverse.status == walk_status::CONVERGED {
-        return;
-    }
-    let forward = projection_factor(start, &trial.vertices, len, &predicted, from_sensor);
-    let backward = projection_factor(
-        &trial.vertices,
-        start,
-        len,
-        &back.predicted,
-        back_from_sensor,
-    );
-    let forward = times_scaled(density_factor(jacobian), forward);
-    let backward = times_scaled(density_factor(&found), backward);
-    if forward.mantissa == 0.0 || backward.mantissa == 0.0 {
         return;
     }
     out.kind = mutation_kind::JUMP;
     out.vertices = trial.vertices;
     out.jacobian = found;
-    out.reverse_target = reverse_target;
-    out.forward_factor = forward;
-    out.reverse_factor = backward;
-}
-
-#[inline]
-fn times_scaled(x: Scaled, y: Scaled) -> Scaled {
-    let mut p = x.times(y.mantissa);
-    if p.mantissa != 0.0 {
-        p.exponent = p.exponent.wrapping_add(y.exponent);
-    }
-    p
+    out.reverse_target = backward.target;
+    out.forward_factor = forward.factor;
+    out.reverse_factor = backward.factor;
 }
 
 /// Whether the edge that the projection did not trace is free.
@@ -208,19 +181,20 @@ fn is_closed<T: Traverse, const N: usize>(
     is_edge_free(view, &vertices[x], &vertices[y])
 }
 
-/// The prediction from one path that would project onto another.
+/// The prediction from one path that projects onto another.
 #[derive(Clone, Copy, Debug)]
 pub struct Prediction<const N: usize> {
-    /// The points on the tangent planes.
-    pub predicted: [Vec3; N],
-    /// Their offsets from the vertices of the first path.
-    pub offsets: [Vec2; N],
+    /// The half vectors that would be proposed.
+    pub target: [Vec2; N],
+    /// Density per area of the other path's vertices over the density of the proposed half vectors.
+    pub factor: Scaled,
     /// Whether there is one.
     pub valid: bool,
 }
 
-/// Where the edges of `to`, from the end where a projection starts, meet the tangent planes of `from`.
-pub fn retrace_prediction<const N: usize>(
+/// What prediction from the path `from`, with the constraints `jacobian`, is projected onto the path `to`: where the edges
+/// of `to`, from the end where the projection starts, meet the tangent planes of `from`.
+pub fn prediction_between<const N: usize>(
     from: &[ChainVertex; N],
     to: &[ChainVertex; N],
     len: usize,
@@ -228,67 +202,55 @@ pub fn retrace_prediction<const N: usize>(
     from_sensor: bool,
 ) -> Prediction<N> {
     let mut out = Prediction {
-        predicted: [Vec3::ZERO; N],
-        offsets: [Vec2::ZERO; N],
+        target: jacobian.h,
+        factor: density_factor(jacobian),
         valid: false,
     };
     if len < 3 || len > N {
         return out;
     }
     let last = len - 1;
+    let mut offsets = [Vec2::ZERO; N];
     for step in 1..last {
         let i = if from_sensor { last - step } else { step };
         let before = if from_sensor { i + 1 } else { i - 1 };
         if i >= N || before >= N {
             return out;
         }
-        let origin = to[before].position;
-        let direction = Edge::new(origin, to[i].position).w;
+        let is_parallel = to[before].kind == vertex_kind::PINNED_DIRECTION;
+        let edge = Edge::new(to[before].position, to[i].position);
+        let direction = if is_parallel {
+            to[before].geometric_normal
+        } else {
+            edge.w
+        };
+        // From the point found to the tangent plane, along the ray that found it.
         let normal = from[i].geometric_normal;
         let cosine = direction.dot(normal);
-        let t = (from[i].position - origin).dot(normal) / cosine;
-        if !(abs(cosine) > 1e-6) || !(t > 0.0) || !(t < 1e15) {
-            return out;
-        }
-        let d = origin + direction * t - from[i].position;
-        out.offsets[i] = Vec2::new(from[i].tangent_u.dot(d), from[i].tangent_v.dot(d));
-        out.predicted[i] = from[i].moved(out.offsets[i]);
-    }
-    // Endpoints with a pinned direction follow their neighbours: B dx + C dx' = 0.
-    let inverse = crate::math::block_tridiagonal::invert(jacobian.b[0]).inverse;
-    out.offsets[0] = -(inverse * (jacobian.c[0] * out.offsets[1.min(N - 1)]));
-    let inverse = crate::math::block_tridiagonal::invert(jacobian.b[last]).inverse;
-    out.offsets[last] = -(inverse * (jacobian.a[last] * out.offsets[last - 1]));
-    out.valid = true;
-    out
-}
-
-/// `prod G(y_{i-1}, y_i) / G(y_{i-1}, x'_i)`: density per area of the points found over that of the points predicted.
-fn projection_factor<const N: usize>(
-    from: &[ChainVertex; N],
-    found: &[ChainVertex; N],
-    len: usize,
-    predicted: &[Vec3; N],
-    from_sensor: bool,
-) -> Scaled {
-    let mut product = Scaled::ONE;
-    let last = len.wrapping_sub(1);
-    for step in 1..last.min(N) {
-        let i = if from_sensor { last - step } else { step };
-        let before = if from_sensor { i + 1 } else { i - 1 };
-        if i >= N || before >= N {
-            return Scaled::ZERO;
-        }
-        let origin = found[before].position;
-        let to_found = Edge::new(origin, found[i].position);
-        let to_predicted = Edge::new(origin, predicted[i]);
-        // The cosine at the origin is that of the same ray, and parallel rays have no distance.
-        let mut ratio = found[i].cosine(to_found.w) / from[i].cosine(to_found.w);
-        if found[before].kind != vertex_kind::PINNED_DIRECTION {
-            let r = to_found.inverse_length / to_predicted.inverse_length;
+        let along = (from[i].position - to[i].position).dot(normal) / cosine;
+        let d = to[i].position + direction * along - from[i].position;
+        let mut ratio = to[i].cosine(direction) / abs(cosine);
+        if !is_parallel {
+            // The predicted point must lie before the ray's origin, not behind it.
+            let r = 1.0 + along * edge.inverse_length;
+            if !(r > 0.0) {
+                return out;
+            }
             ratio *= r * r;
         }
-        product = product.times(ratio);
+        offsets[i] = Vec2::new(from[i].tangent_u.dot(d), from[i].tangent_v.dot(d));
+        out.factor = out.factor.times(ratio);
+        if !(abs(cosine) > 1e-6) || !is_finite2(offsets[i]) {
+            return out;
+        }
     }
-    product
+    // Endpoints with a pinned direction follow their neighbours: B dx + C dx' = 0.
+    offsets[0] = -(invert(jacobian.b[0]).inverse * (jacobian.c[0] * offsets[1.min(N - 1)]));
+    offsets[last] = -(invert(jacobian.b[last]).inverse * (jacobian.a[last] * offsets[last - 1]));
+    let moved = jacobian.apply(&offsets);
+    for i in 1..last {
+        out.target[i] += moved[i];
+    }
+    out.valid = out.factor.mantissa != 0.0;
+    out
 }

@@ -8,7 +8,9 @@
 //!
 //! Converged means: the half vectors agree within [`WalkOptions::half_vector_tolerance`] and Newton's next step is below
 //! [`WalkOptions::position_tolerance`] times the scene's size, so that the answer does not depend on where the world's origin
-//! lies (published codes divide by coordinates). The last edge must be free; all others are by construction.
+//! lies (published codes divide by coordinates); or the next step is below [`RESOLUTION`], where positions round and a short
+//! edge or an index near one turns their rounding into more than the tolerance of half vectors. The last edge must be free;
+//! all others are by construction.
 //!
 //! A walk is *reversible* when the walk from its end back to the old half vectors ends at the old vertices. Only reversible
 //! walks are in detailed balance. Checked: sphere caustics, mirrors and slabs with known answers, reversibility.
@@ -52,6 +54,9 @@ impl WalkOptions {
         }
     }
 }
+
+/// Newton steps below this times the scene's size are rounding of positions.
+pub const RESOLUTION: f32 = 4e-6;
 
 /// How a walk ended.
 pub mod walk_status {
@@ -183,8 +188,9 @@ pub fn walk_from<T: Traverse, const N: usize>(
     }
     let mut beta = 1.0;
     loop {
-        let is_near = largest(&dx, len) <= options.position_tolerance * options.scene_scale;
-        if error <= options.half_vector_tolerance && is_near {
+        let step = largest(&dx, len) / options.scene_scale.max(f32::MIN_POSITIVE);
+        let is_near = step <= options.position_tolerance;
+        if (error <= options.half_vector_tolerance && is_near) || step <= RESOLUTION {
             let (x, y) = if from_sensor {
                 (1, 0)
             } else {

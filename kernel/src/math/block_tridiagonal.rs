@@ -21,8 +21,8 @@ use super::float::{abs, is_finite};
 use super::scaled::{Scaled, is_finite2};
 use glam::{Mat2, Vec2};
 
-/// A block whose determinant is below this times the square of its largest element is singular: at a condition of 2^23 the
-/// smaller singular value is all rounding error.
+/// A block whose determinant is below this times the square of its largest element is singular, and so is a pivot whose
+/// smaller singular value is below this times the block of J it came from: 2^-23, where all is rounding error.
 pub const SINGULAR: f32 = 1.2e-7;
 
 /// The range of a block's largest element in which inverses neither overflow nor vanish.
@@ -40,12 +40,17 @@ pub struct BlockInverse {
     pub scale: f32,
 }
 
+#[inline]
+fn largest_element(m: Mat2) -> f32 {
+    abs(m.x_axis.x)
+        .max(abs(m.x_axis.y))
+        .max(abs(m.y_axis.x).max(abs(m.y_axis.y)))
+}
+
 /// Inverse of a 2x2 block, with the guards of this module.
 #[inline]
 pub fn invert(m: Mat2) -> BlockInverse {
-    let scale = abs(m.x_axis.x)
-        .max(abs(m.x_axis.y))
-        .max(abs(m.y_axis.x).max(abs(m.y_axis.y)));
+    let scale = largest_element(m);
     // A NaN may be lost in a maximum, but not in the determinant.
     if !(scale > SMALLEST && scale < LARGEST) {
         return BlockInverse {
@@ -118,7 +123,9 @@ impl<const N: usize> BlockLu<N> {
         for i in 0..len {
             let lower = if i == 0 { Mat2::ZERO } else { a[i] };
             let pivot = invert(b[i] - lower * previous);
-            if pivot.determinant == 0.0 {
+            // The smaller singular value, to within a factor of two, against the rounding of what was subtracted from.
+            let smallest = abs(pivot.determinant) * pivot.scale;
+            if !(smallest > SINGULAR * largest_element(b[i])) {
                 lu.refuse();
                 return lu;
             }

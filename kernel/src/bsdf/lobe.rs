@@ -17,9 +17,9 @@
 use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::microfacet::{self, Microfacets};
 use super::{
-    BsdfSample, Coat, Lobe, MAX_COATS, coat, coat_reflection, conductor, dielectric, diffuse,
-    event, frame_map, merl, mode, null, plastic, rough_conductor, rough_dielectric, rough_diffuse,
-    rough_plastic, thin_dielectric,
+    BsdfSample, Coat, Lobe, MAX_COATS, coat, coat_reflection, conductor, dielectric,
+    diffracting_conductor, diffuse, event, frame_map, merl, mode, null, plastic, rough_conductor,
+    rough_dielectric, rough_diffuse, rough_plastic, thin_dielectric,
 };
 use crate::math::{Frame, Rgb, float};
 use crate::scene::{NONE, lobe_flag, lobe_kind};
@@ -329,6 +329,7 @@ pub(super) fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         lobe_kind::ROUGH_COAT => coat_reflection::eval(lobe, wi, wo),
         lobe_kind::ROUGH_DIFFUSE => rough_diffuse::eval(lobe, wi, wo),
         lobe_kind::MERL => merl::eval(lobe, data, wi, wo),
+        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::eval(lobe, data, wi, wo),
         // Discrete directions have no value.
         _ => Vec3::ZERO,
     }
@@ -345,6 +346,7 @@ fn model_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         lobe_kind::ROUGH_COAT => coat_reflection::pdf(lobe, wi, wo),
         lobe_kind::ROUGH_DIFFUSE => rough_diffuse::pdf(lobe, wi, wo),
         lobe_kind::MERL => merl::pdf(lobe, data, wi, wo),
+        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::pdf(lobe, data, wi, wo),
         _ => 0.0,
     }
 }
@@ -364,6 +366,7 @@ fn model_sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfS
         lobe_kind::MERL => merl::sample(lobe, data, wi, u1, u2),
         lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
         lobe_kind::ROUGH_DIFFUSE => rough_diffuse::sample(lobe, wi, u1, u2),
+        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::sample(lobe, data, wi, u1, u2),
         _ => BsdfSample::NONE,
     }
 }
@@ -400,7 +403,7 @@ fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
 fn model_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     match lobe.kind {
         lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => lobe.reflectance,
-        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
             lobe.specular_reflectance * fresnel_conductor(wi.z, lobe.eta, lobe.k)
         }
         lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
@@ -446,7 +449,9 @@ pub fn events(kind: u32) -> u32 {
         lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => event::REFLECTION | event::DIFFUSE,
         lobe_kind::MERL => event::REFLECTION | event::GLOSSY,
         lobe_kind::CONDUCTOR | lobe_kind::COAT => event::REFLECTION | event::DELTA,
-        lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT => event::REFLECTION | event::GLOSSY,
+        lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT | lobe_kind::DIFFRACTING_CONDUCTOR => {
+            event::REFLECTION | event::GLOSSY
+        }
         lobe_kind::DIELECTRIC | lobe_kind::THIN_DIELECTRIC => {
             event::REFLECTION | event::TRANSMISSION | event::DELTA
         }

@@ -317,7 +317,7 @@ fn lookup(
             lobe.optical_depth = eval_rgb(tables, &record.optical_depth, point);
         }
         lobe_kind::COAT | lobe_kind::ROUGH_COAT => {}
-        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR => {
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
             lobe.k = eval_rgb(tables, &record.k, point);
         }
         _ => {
@@ -325,6 +325,7 @@ fn lookup(
         }
     }
     if record.kind == lobe_kind::ROUGH_CONDUCTOR
+        || record.kind == lobe_kind::DIFFRACTING_CONDUCTOR
         || record.kind == lobe_kind::ROUGH_DIELECTRIC
         || record.kind == lobe_kind::ROUGH_PLASTIC
         || record.kind == lobe_kind::ROUGH_COAT

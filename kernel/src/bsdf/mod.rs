@@ -8,6 +8,8 @@ pub mod coat;
 pub mod coat_reflection;
 pub mod conductor;
 pub mod dielectric;
+pub mod diffracting_conductor;
+pub mod diffraction_table;
 pub mod diffuse;
 pub mod frame_map;
 pub mod fresnel;

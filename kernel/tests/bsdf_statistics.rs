@@ -129,6 +129,16 @@ fn coated_lobes_sample_their_density() {
 }
 
 #[test]
+fn rough_diffuse_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::ROUGH_DIFFUSE);
+}
+
+#[test]
+fn diffracting_conductor_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::DIFFRACTING_CONDUCTOR);
+}
+
+#[test]
 fn mixtures_sample_their_density() {
     let mixtures = mixtures();
     let family = (mixtures.len() * incidences().len()) as u32;

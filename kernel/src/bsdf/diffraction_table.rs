@@ -12,7 +12,7 @@
 //!   frequency in its own plane, `|i + o| sin(gamma) / lambda`, `|i + o| = 2 cos(theta_d)`.
 //!
 //! Layout in `data`: [`HEADER`] words (three wavelengths, sigma, b, c, the largest u, the alpha), then
-//! 3 x [`COSINES`] words of rho, then [`ROWS`] x [`COLUMNS`] words of `ln S~` with `u = u_max (row / (ROWS - 1))^2` and
+//! 3 x [`COSINES`] words of rho, as many of the energy limit of [`super::diffracting_conductor`], then [`ROWS`] x [`COLUMNS`] words of `ln S~` with `u = u_max (row / (ROWS - 1))^2` and
 //! `theta_h = pi/2 (column / (COLUMNS - 1))^3`. Lengths are in micrometres. Filling sums in f64, on the host when a scene
 //! is built. Invariants (tests): rho is 1 for a coarse scale at normal incidence; S~ tends to S for smooth facets and
 //! to D for a coarse finer scale; its mass stays 1.
@@ -28,8 +28,12 @@ pub const COSINES: usize = 32;
 pub const ROWS: usize = 24;
 /// Entries of the convolved spectrum over theta_h.
 pub const COLUMNS: usize = 96;
+/// First word of the energy limits.
+const LIMITS: usize = HEADER + 3 * COSINES;
+/// First word of the convolved spectrum.
+const SPECTRUM: usize = LIMITS + 3 * COSINES;
 /// Words of a table.
-pub const WORDS: usize = HEADER + 3 * COSINES + ROWS * COLUMNS;
+pub const WORDS: usize = SPECTRUM + ROWS * COLUMNS;
 
 /// The finer scale of the surface; lengths in micrometres.
 #[derive(Clone, Copy, Debug)]
@@ -59,10 +63,26 @@ pub fn fine_scale(data: &[f32], table: u32) -> FineScale {
 /// rho of one channel at a cosine.
 #[inline]
 pub fn scattered_share(data: &[f32], table: u32, channel: usize, cos: f32) -> f32 {
+    over_cosine(data, table as usize + HEADER + channel * COSINES, cos)
+}
+
+/// Share of the diffraction of one channel that conserves energy at a cosine.
+#[inline]
+pub fn energy_limit(data: &[f32], table: u32, channel: usize, cos: f32) -> f32 {
+    over_cosine(data, table as usize + LIMITS + channel * COSINES, cos)
+}
+
+#[inline]
+fn over_cosine(data: &[f32], first: usize, cos: f32) -> f32 {
     let x = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
     let i = (x as usize).min(COSINES - 2);
-    let at = table as usize + HEADER + channel * COSINES + i;
-    lerp(data[at], data[at + 1], x - i as f32)
+    lerp(data[first + i], data[first + i + 1], x - i as f32)
+}
+
+/// Writes the energy limit of one channel at `k / (COSINES - 1)`.
+#[cfg(not(target_arch = "spirv"))]
+pub(super) fn set_energy_limit(data: &mut [f32], channel: usize, k: usize, limit: f32) {
+    data[LIMITS + channel * COSINES + k] = limit;
 }
 
 /// `ln S~` at a half vector's polar angle, `u = b cos(theta_d) / lambda`.
@@ -72,7 +92,7 @@ pub fn ln_spectrum(data: &[f32], table: u32, theta_h: f32, u: f32) -> f32 {
     let column = pow((theta_h / FRAC_PI_2).clamp(0.0, 1.0), 1.0 / 3.0) * (COLUMNS - 1) as f32;
     let i = (row as usize).min(ROWS - 2);
     let j = (column as usize).min(COLUMNS - 2);
-    let at = table as usize + HEADER + 3 * COSINES + i * COLUMNS + j;
+    let at = table as usize + SPECTRUM + i * COLUMNS + j;
     let (x, y) = (column - j as f32, row - i as f32);
     lerp(
         lerp(data[at], data[at + 1], x),
@@ -81,9 +101,10 @@ pub fn ln_spectrum(data: &[f32], table: u32, theta_h: f32, u: f32) -> f32 {
     )
 }
 
-/// Fills a table of [`WORDS`] words for facets of width `alpha` and exponent `exponent`.
+/// Fills a table of [`WORDS`] words for facets of width `alpha` and exponent `exponent`, all but the energy limits, which
+/// are left at one.
 #[cfg(not(target_arch = "spirv"))]
-pub fn fill_table(scale: &FineScale, alpha: f32, exponent: f32, out: &mut [f32]) {
+pub(super) fn fill_spectrum(scale: &FineScale, alpha: f32, exponent: f32, out: &mut [f32]) {
     let shortest = scale.wavelengths[0]
         .min(scale.wavelengths[1])
         .min(scale.wavelengths[2]);
@@ -94,6 +115,7 @@ pub fn fill_table(scale: &FineScale, alpha: f32, exponent: f32, out: &mut [f32])
     out[5] = scale.c;
     out[6] = u_max;
     out[7] = alpha;
+    out[LIMITS..SPECTRUM].fill(1.0);
     for channel in 0..3 {
         for k in 0..COSINES {
             let cos = k as f64 / (COSINES - 1) as f64;
@@ -108,7 +130,7 @@ pub fn fill_table(scale: &FineScale, alpha: f32, exponent: f32, out: &mut [f32])
             let t = j as f64 / (COLUMNS - 1) as f64;
             let theta = core::f64::consts::FRAC_PI_2 * t * t * t;
             let value = convolved(scale, &facets, theta, f64::from(u_max) * s * s);
-            out[HEADER + 3 * COSINES + i * COLUMNS + j] = ln(value.max(1e-30) as f32);
+            out[SPECTRUM + i * COLUMNS + j] = ln(value.max(1e-30) as f32);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Random;
 use glam::Vec3;
-use halflight_kernel::bsdf::{Lobe, lobe};
+use halflight_kernel::bsdf::{Lobe, event, lobe};
 
 /// The directional albedo of `lobe` at `wi`, the integral of f cos and the discrete parts, by `samples` of its own
 /// sampler; with its standard error.
@@ -39,8 +39,14 @@ pub fn asymmetry(lobe: &Lobe, data: &[f32], pairs: u32, seed: u64) -> f32 {
     let mut random = Random(seed);
     let mut worst = 0.0_f32;
     let mut compared = 0;
-    for _ in 0..pairs {
-        let (wi, wo) = (random.direction(), random.direction());
+    for k in 0..pairs {
+        let (wi, mut wo) = (random.direction(), random.direction());
+        // Every other pair is one that the lobe scatters: random directions miss narrow lobes.
+        let (u1, u2) = (random.next_1d(), random.next_2d());
+        let s = lobe::sample(lobe, data, wi, u1, u2);
+        if k % 2 == 0 && s.pdf > 0.0 && s.event & event::DELTA == 0 {
+            wo = s.wo;
+        }
         let index = |w: Vec3| if w.z > 0.0 { 1.0 } else { lobe.eta.x };
         let forward = lobe::eval_cosine(lobe, data, wi, wo) / wo.z.abs();
         let backward = lobe::eval_cosine(lobe, data, wo, wi) / wi.z.abs();

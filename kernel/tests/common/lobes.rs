@@ -117,6 +117,7 @@ pub fn smooth_cases() -> Vec<Case> {
     }
     cases.extend(coated_cases());
     cases.push(measured_case());
+    cases.extend(super::rough_cases::cases());
     cases
 }
 

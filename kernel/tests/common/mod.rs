@@ -10,6 +10,7 @@ pub mod light_scene;
 pub mod lobes;
 pub mod measured;
 pub mod oracle;
+pub mod rough_cases;
 pub mod tables;
 
 use glam::{Vec2, Vec3};

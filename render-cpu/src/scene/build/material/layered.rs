@@ -10,7 +10,9 @@ use crate::scene::xml::Object;
 use halflight_kernel::bsdf::MAX_COATS;
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
 use halflight_kernel::bsdf::rough_transmittance::{ENTRIES, ROW, ROWS, fill, fill_row};
-use halflight_kernel::scene::{CoatRecord, LobeRecord, NONE, RgbParameter, lobe_flag, lobe_kind};
+use halflight_kernel::scene::{
+    CoatRecord, LobeRecord, NONE, RgbParameter, distribution, lobe_flag, lobe_kind,
+};
 use std::sync::Arc;
 
 /// What coats are made of when nothing is said.
@@ -144,6 +146,9 @@ impl Builder {
                     format!("\"{other}\" is neither \"rough\" nor \"smooth\""),
                 ));
             }
+        }
+        if lobe.distribution == distribution::EXPONENTIAL_POWER {
+            return Err(object.property_error("distribution", "a coat cannot be \"epd\""));
         }
         let textured = lobe.alpha_u.texture != NONE;
         let alpha = if textured { 0.0 } else { lobe.alpha_u.value };

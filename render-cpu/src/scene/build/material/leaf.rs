@@ -52,6 +52,12 @@ impl Builder {
                     self.roughness(object, mesh, &mut lobe)?;
                 }
             }
+            "ctd" => {
+                lobe.kind = lobe_kind::DIFFRACTING_CONDUCTOR;
+                lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
+                self.conductor_index(object, mesh, &mut lobe)?;
+                self.diffraction(object, &mut lobe)?;
+            }
             "dielectric" | "thindielectric" | "roughdielectric" => {
                 lobe.specular_reflectance = color(self, "specular_reflectance", 1.0)?;
                 lobe.specular_transmittance = color(self, "specular_transmittance", 1.0)?;

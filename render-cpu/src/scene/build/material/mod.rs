@@ -4,6 +4,7 @@
 //! `twosided` sets on which side they exist, `coating` and `roughcoating` put coats above them, `normalmap` and `bumpmap` give them a perturbed frame. What is left is a
 //! list of lobes, which the kernel walks without recursion.
 
+mod diffraction;
 mod layered;
 mod leaf;
 mod parameters;

@@ -1,0 +1,88 @@
+//! The rough lobes under test beyond the everyday ones: Phong and exponential-power microfacets, the ends of the roughness
+//! scale, Oren-Nayar and diffracting conductors.
+
+use super::lobes::{Case, case, conductor, white};
+use glam::{Vec2, Vec3};
+use halflight_kernel::bsdf::Lobe;
+use halflight_kernel::bsdf::diffracting_conductor::fill_table;
+use halflight_kernel::bsdf::diffraction_table::{FineScale, WORDS};
+use halflight_kernel::scene::{distribution, lobe_kind};
+
+/// A table for a fine scale of the given height and correlation length in micrometres.
+pub fn diffracting(alpha: f32, exponent: f32, sigma: f32, b: f32, c: f32) -> Case {
+    let mut lobe = conductor(lobe_kind::DIFFRACTING_CONDUCTOR);
+    lobe.distribution = distribution::EXPONENTIAL_POWER;
+    lobe.alpha = Vec2::splat(alpha);
+    lobe.exponent = exponent;
+    lobe.table = 0;
+    let scale = FineScale {
+        wavelengths: [0.6114, 0.5491, 0.4642],
+        sigma,
+        b,
+        c,
+    };
+    let mut data = vec![0.0; WORDS];
+    fill_table(&scale, alpha, exponent, &mut data);
+    Case {
+        name: format!("diffracting, alpha {alpha}, p {exponent}, sigma {sigma}, b {b}, c {c}"),
+        lobe,
+        data,
+    }
+}
+
+/// Diffracting conductors: weak, strong, narrow and broad.
+pub fn diffracting_cases() -> Vec<Case> {
+    vec![
+        diffracting(0.1, 1.0, 0.02, 2.0, 2.0),
+        diffracting(0.3, 0.6, 0.06, 1.0, 1.4),
+        diffracting(0.03, 2.0, 0.1, 0.4, 3.0),
+        diffracting(0.2, 0.4, 0.3, 8.0, 2.5),
+        diffracting(0.4, 4.0, 0.03, 0.1, 1.2),
+    ]
+}
+
+/// All of them.
+pub fn cases() -> Vec<Case> {
+    let mut cases = diffracting_cases();
+    for alpha in [0.001, 0.2, 0.4, 0.7, 1.0] {
+        let mut lobe = white(lobe_kind::ROUGH_DIFFUSE);
+        lobe.reflectance = Vec3::new(0.9, 0.5, 0.1);
+        lobe.alpha = Vec2::splat(alpha);
+        cases.push(case(&format!("rough diffuse, alpha {alpha}"), lobe));
+    }
+    let aniso = Vec2::new(0.1, 0.5);
+    for (kind, exponent, alpha) in [
+        (distribution::BECKMANN, 1.0, Vec2::splat(0.001)),
+        (distribution::BECKMANN, 1.0, Vec2::splat(1.0)),
+        (distribution::GGX, 1.0, Vec2::splat(0.001)),
+        (distribution::GGX, 1.0, Vec2::splat(1.0)),
+        (distribution::PHONG, 1.0, Vec2::splat(0.001)),
+        (distribution::PHONG, 1.0, Vec2::splat(0.4)),
+        (distribution::PHONG, 1.0, aniso),
+        (distribution::EXPONENTIAL_POWER, 1.0, Vec2::splat(0.001)),
+        (distribution::EXPONENTIAL_POWER, 0.5, Vec2::splat(0.3)),
+        (distribution::EXPONENTIAL_POWER, 3.0, Vec2::splat(1.0)),
+        (distribution::EXPONENTIAL_POWER, 1.5, aniso),
+    ] {
+        let with = |lobe: Lobe| Lobe {
+            distribution: kind,
+            exponent,
+            alpha,
+            ..lobe
+        };
+        let name =
+            |model: &str| format!("{model}, distribution {kind}, p {exponent}, alpha {alpha}");
+        cases.push(case(
+            &name("rough conductor"),
+            with(conductor(lobe_kind::ROUGH_CONDUCTOR)),
+        ));
+        // The cells of the chi-square test resolve one lobe of this width, not two.
+        if alpha.x > 0.01 {
+            cases.push(case(
+                &name("rough dielectric"),
+                with(white(lobe_kind::ROUGH_DIELECTRIC)),
+            ));
+        }
+    }
+    cases
+}

@@ -123,9 +123,10 @@ fn absorbing_plastic_matches_where_the_way_inside_is_as_long() {
 /// The distributions of the tables that the kernel has, with their tolerance.
 ///
 /// Beckmann masking is a rational fit in Tungsten, good to 0.35 % per direction.
-const DISTRIBUTIONS: [(&str, u32, f32); 2] = [
+const DISTRIBUTIONS: [(&str, u32, f32); 3] = [
     ("beckmann", distribution::BECKMANN, 7e-3),
     ("ggx", distribution::GGX, 1e-3),
+    ("phong", distribution::PHONG, 7e-3),
 ];
 
 fn table(model: &str, name: &str, alpha: f32) -> &'static str {

@@ -34,6 +34,7 @@ pub mod film;
 pub mod heatmap;
 pub mod image_io;
 pub mod image_metadata;
+pub mod material;
 pub mod measured;
 pub mod merge;
 pub mod mesh;

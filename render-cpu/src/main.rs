@@ -1,7 +1,7 @@
 //! The command `halflight`.
 
 use clap::{Parser, Subcommand};
-use halflight::commands::{compare, info, merge, render};
+use halflight::commands::{compare, info, material, merge, render};
 use std::error::Error;
 use std::process::ExitCode;
 use tracing_subscriber::filter::LevelFilter;
@@ -26,6 +26,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Show what a scene holds, and what of it is not supported
     Info(info::InfoArgs),
+    /// Draw a material: a lit ball, its lobes, its albedo and its local roughness
+    Material(material::MaterialArgs),
     /// Compare two images
     Compare(compare::CompareArgs),
     /// Merge images of the same scene with different samples
@@ -59,6 +61,7 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     match cli.command {
         Command::Render(args) => render::run(&args, cli.quiet),
         Command::Info(args) => info::run(&args),
+        Command::Material(args) => material::run(&args, cli.quiet),
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),
     }

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod info;
+pub mod material;
 pub mod merge;
 pub mod render;
 pub mod scene_args;

@@ -53,6 +53,14 @@ pub const EXAMPLES: &[Example] = &[
         bsdf: r#"<bsdf type="roughconductor"><string name="material" value="Al"/><string name="distribution" value="ggx"/><float name="alpha_u" value="0.05"/><float name="alpha_v" value="0.4"/></bsdf>"#,
     },
     Example {
+        name: "roughconductor epd",
+        bsdf: r#"<bsdf type="roughconductor"><string name="material" value="Cu"/><string name="distribution" value="epd"/><float name="alpha" value="0.1"/><float name="exponent" value="0.4"/></bsdf>"#,
+    },
+    Example {
+        name: "ctd",
+        bsdf: r#"<bsdf type="ctd"><string name="material" value="Au"/></bsdf>"#,
+    },
+    Example {
         name: "dielectric",
         bsdf: r#"<bsdf type="dielectric"/>"#,
     },

@@ -58,6 +58,8 @@ fn scene_text(source: &Source, directory: &str) -> String {
         text = text.replace(&format!("<default name=\"{name}\" value=\"{value}\"/>"), "");
         text = text.replace(&format!("${name}"), value);
     }
+    // Before the definitions come in, which may hold such a reference of their own; after them in the text.
+    text = text.replacen(REFERENCE, &source.bsdf, 1);
     let Some(start) = text.find(START) else {
         return text;
     };
@@ -65,7 +67,7 @@ fn scene_text(source: &Source, directory: &str) -> String {
         .find(END)
         .map_or(start, |at| start + at + END.len());
     text.replace_range(start..end, &source.definitions);
-    text.replacen(REFERENCE, &source.bsdf, 1)
+    text
 }
 
 impl Preview {

@@ -110,6 +110,17 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
 /// [`eval_cosine`] and [`pdf`] together.
 #[inline]
 pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
+    if is_bare(lobe) {
+        if !is_active(lobe.flags, wi) || wo.z == 0.0 {
+            return (Vec3::ZERO, 0.0);
+        }
+        let flip = is_flipped(lobe, wi);
+        let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+        return (
+            model_eval(lobe, data, wi, wo) * float::abs(wo.z),
+            model_pdf(lobe, data, wi, wo),
+        );
+    }
     let (i, o) = both_inside(lobe, data, wi, wo);
     if !o.valid {
         return (Vec3::ZERO, 0.0);
@@ -130,6 +141,11 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
         return BsdfSample::NONE;
     }
     let flip = is_flipped(lobe, wi);
+    if is_bare(lobe) {
+        let mut s = model_sample(lobe, data, mirrored(flip, wi), u1, u2);
+        s.wo = mirrored(flip, s.wo);
+        return s;
+    }
     let i = inside(lobe, data, flip, wi);
     if !i.valid {
         return BsdfSample::NONE;
@@ -170,6 +186,18 @@ struct Way {
 #[inline]
 fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
     wi.z < 0.0 && lobe.flags & lobe_flag::FLIP_BACK != 0
+}
+
+/// Whether nothing lies between the surface and the model: the common case, which needs none of the maps below.
+#[inline]
+fn is_bare(lobe: &Lobe) -> bool {
+    lobe.coat_count == 0 && !lobe.has_frame
+}
+
+/// `w` with its z negated if `flip`.
+#[inline]
+fn mirrored(flip: bool, w: Vec3) -> Vec3 {
+    if flip { Vec3::new(w.x, w.y, -w.z) } else { w }
 }
 
 /// Both directions in the frame of the model; the second is invalid where the lobe is zero.

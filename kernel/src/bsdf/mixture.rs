@@ -41,23 +41,31 @@ impl Bsdf {
     /// `mode` is one of [`super::mode`].
     pub fn at(tables: &Tables<'_>, point: &SurfacePoint, wi: Vec3, mode: u32) -> Bsdf {
         let mut bsdf = Bsdf::BLACK;
+        bsdf.look_up(tables, point, wi, mode);
+        bsdf
+    }
+
+    /// [`Bsdf::at`] in the place of another, so that a walk does not clear and copy all of [`MAX_LOBES`] at every point.
+    #[inline]
+    pub fn look_up(&mut self, tables: &Tables<'_>, point: &SurfacePoint, wi: Vec3, mode: u32) {
+        self.count = 0;
         if point.material == NONE {
-            return bsdf;
+            return;
         }
-        let material = tables.materials[point.material as usize];
+        let material = &tables.materials[point.material as usize];
         for i in 0..material.lobe_count {
             let record = &tables.lobes[(material.first_lobe + i) as usize];
             if !lobe::is_active(record.flags, wi) && record.kind != lobe_kind::NULL {
                 continue;
             }
             let weight = weight(tables, record, point);
-            if weight > 0.0 && (bsdf.count as usize) < MAX_LOBES {
-                bsdf.lobes[bsdf.count as usize] = lookup(tables, record, point, wi, weight, mode);
-                bsdf.count += 1;
+            if weight > 0.0 && (self.count as usize) < MAX_LOBES {
+                let lobe = &mut self.lobes[self.count as usize];
+                fill_lobe(lobe, tables, record, point, wi, weight, mode);
+                self.count += 1;
             }
         }
-        bsdf.select(tables.data, wi);
-        bsdf
+        self.select(tables.data, wi);
     }
 
     /// A mixture of given lobes (the first `count`), for tests and for materials that are not in a table.
@@ -258,22 +266,23 @@ fn weight(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> f32
     product
 }
 
-/// A lobe with the parameters that its kind reads.
-fn lookup(
+/// Makes `lobe` that of the record, with the parameters that its kind reads.
+fn fill_lobe(
+    lobe: &mut Lobe,
     tables: &Tables<'_>,
     record: &LobeRecord,
     point: &SurfacePoint,
     wi: Vec3,
     weight: f32,
     mode: u32,
-) -> Lobe {
-    let mut lobe = Lobe::NONE;
+) {
+    *lobe = Lobe::NONE;
     lobe.kind = record.kind;
     lobe.flags = record.flags;
     lobe.weight = weight;
     lobe.mode = mode;
     if record.kind == lobe_kind::NULL {
-        return lobe;
+        return;
     }
     lobe.coat_count = record.coat_count.min(MAX_COATS as u32);
     for i in 0..lobe.coat_count as usize {
@@ -292,12 +301,12 @@ fn lookup(
     }
     if record.kind == lobe_kind::DIFFUSE {
         lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
-        return lobe;
+        return;
     }
     if record.kind == lobe_kind::ROUGH_DIFFUSE {
         lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
         lobe.alpha = Vec2::splat(eval_scalar(tables, &record.alpha_u, point));
-        return lobe;
+        return;
     }
     lobe.distribution = record.distribution;
     if record.distribution == distribution::EXPONENTIAL_POWER {
@@ -307,7 +316,7 @@ fn lookup(
     lobe.table_rows = record.table_rows;
     lobe.internal_reflectance = record.internal_reflectance;
     if record.kind == lobe_kind::MERL {
-        return lobe;
+        return;
     }
     lobe.specular_reflectance = eval_rgb(tables, &record.specular_reflectance, point);
     lobe.eta = eval_rgb(tables, &record.eta, point);
@@ -346,7 +355,6 @@ fn lookup(
             lobe.alpha.x,
         );
     }
-    lobe
 }
 
 /// A coat with its parameters looked up.

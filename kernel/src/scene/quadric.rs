@@ -12,7 +12,7 @@
 
 use super::intersect::ROUNDING;
 use super::records::{quadric_kind, shape_flag};
-use super::surface::{NormalMap, SurfacePoint};
+use super::surface::{NormalMap, SurfacePoint, detail};
 use super::view::Tables;
 use crate::math::Frame;
 use crate::math::affine::{
@@ -51,12 +51,22 @@ pub fn quadric_point(tables: &Tables<'_>, quadric: u32, u: f32, v: f32) -> Surfa
         let (sin_phi, cos_phi) = sin_cos(TAU * u);
         cylinder(cos_phi, sin_phi, Vec2::new(u, v))
     };
-    to_group(tables, quadric, canonical)
+    to_group::<{ detail::CURVATURE }>(tables, quadric, canonical)
 }
 
 /// The point of the quadric next to `p`, which is given in the quadric's object space and lies near the surface.
 #[inline]
 pub fn quadric_point_at(tables: &Tables<'_>, quadric: u32, p: Vec3) -> SurfacePoint {
+    quadric_point_with::<{ detail::CURVATURE }>(tables, quadric, p)
+}
+
+/// [`quadric_point_at`] with one of the degrees of [`detail`].
+#[inline]
+pub fn quadric_point_with<const DETAIL: u32>(
+    tables: &Tables<'_>,
+    quadric: u32,
+    p: Vec3,
+) -> SurfacePoint {
     let kind = tables.quadrics[quadric as usize].kind;
     let rho = sqrt(p.x * p.x + p.y * p.y);
     let (cos_phi, sin_phi) = if rho > 0.0 {
@@ -85,7 +95,7 @@ pub fn quadric_point_at(tables: &Tables<'_>, quadric: u32, p: Vec3) -> SurfacePo
     } else {
         cylinder(cos_phi, sin_phi, Vec2::new(azimuth, p.z.clamp(0.0, 1.0)))
     };
-    to_group(tables, quadric, canonical)
+    to_group::<DETAIL>(tables, quadric, canonical)
 }
 
 /// The azimuth over 2 pi, in [0, 1].
@@ -144,9 +154,9 @@ fn cylinder(cos_phi: f32, sin_phi: f32, uv: Vec2) -> Canonical {
 
 /// The canonical point under the quadric's affine map.
 #[inline]
-fn to_group(tables: &Tables<'_>, quadric: u32, c: Canonical) -> SurfacePoint {
-    let record = tables.quadrics[quadric as usize];
-    let shape = tables.shapes[record.shape as usize];
+fn to_group<const DETAIL: u32>(tables: &Tables<'_>, quadric: u32, c: Canonical) -> SurfacePoint {
+    let record = &tables.quadrics[quadric as usize];
+    let shape = &tables.shapes[record.shape as usize];
     let (to_world, to_object) = (&record.to_world, &record.to_object);
     let sign = if shape.flags & shape_flag::FLIP_NORMALS != 0 {
         -1.0
@@ -163,17 +173,33 @@ fn to_group(tables: &Tables<'_>, quadric: u32, c: Canonical) -> SurfacePoint {
         * ROUNDING
         * (outside.dot(normal.n.abs())
             + (inside.dot(c.normal.abs()) + 2.0) * normal.inverse_length.abs());
+    let mut frame = Frame {
+        s: Vec3::ZERO,
+        t: Vec3::ZERO,
+        n: normal.n,
+    };
+    let (mut dp_du, mut dp_dv) = (Vec3::ZERO, Vec3::ZERO);
+    let (mut dn_du, mut dn_dv) = (Vec3::ZERO, Vec3::ZERO);
+    if DETAIL >= detail::TANGENTS {
+        frame = Frame::from_normal_tangent(normal.n, transform_vector(to_world, c.tangent));
+        dp_du = transform_vector(to_world, c.dp_du);
+        dp_dv = transform_vector(to_world, c.dp_dv);
+    }
+    if DETAIL >= detail::CURVATURE {
+        dn_du = normal.derivative(transform_normal(to_object, c.dn_du) * sign);
+        dn_dv = normal.derivative(transform_normal(to_object, c.dn_dv) * sign);
+    }
     SurfacePoint {
         position,
         position_error,
         geometric_normal: normal.n,
-        frame: Frame::from_normal_tangent(normal.n, transform_vector(to_world, c.tangent)),
+        frame,
         uv: c.uv,
         barycentric: Vec2::ZERO,
-        dp_du: transform_vector(to_world, c.dp_du),
-        dp_dv: transform_vector(to_world, c.dp_dv),
-        dn_du: normal.derivative(transform_normal(to_object, c.dn_du) * sign),
-        dn_dv: normal.derivative(transform_normal(to_object, c.dn_dv) * sign),
+        dp_du,
+        dp_dv,
+        dn_du,
+        dn_dv,
         shape: record.shape,
         primitive: tables.triangles.len() as u32 + quadric,
         instance: 0,

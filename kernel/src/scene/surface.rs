@@ -7,9 +7,9 @@
 //! outside; the orientation conventions are those of Mitsuba 3 (neither normal is turned towards the other).
 
 use super::intersect::{ROUNDING, offset_by, segment};
-use super::quadric::{quadric_point, quadric_point_at};
+use super::quadric::{quadric_point, quadric_point_with};
 use super::traverse::Hit;
-use super::triangle::triangle_point;
+use super::triangle::triangle_point_with;
 use super::view::Tables;
 use crate::math::affine::{
     transform_magnitude, transform_normal, transform_point, transform_vector, translation,
@@ -87,13 +87,32 @@ impl SurfacePoint {
     }
 }
 
+/// How much of a [`SurfacePoint`] is computed; what is left out is zero.
+pub mod detail {
+    /// Position, its error, the normals and the texture coordinates: what light sampling reads.
+    pub const NORMALS: u32 = 0;
+    /// Also the tangents of frame and position: what scattering reads.
+    pub const TANGENTS: u32 = 1;
+    /// Also the derivatives of the normal.
+    pub const CURVATURE: u32 = 2;
+}
+
 /// The surface at an intersection found along `ray`. Only for hits ([`Hit::is_hit`]).
 #[inline]
 pub fn surface_at(tables: &Tables<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    surface_with::<{ detail::CURVATURE }>(tables, ray, hit)
+}
+
+/// [`surface_at`] with one of the degrees of [`detail`].
+#[inline]
+pub fn surface_with<const DETAIL: u32>(tables: &Tables<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
     let triangle_count = tables.triangles.len() as u32;
     if hit.primitive < triangle_count {
-        let p = triangle_point(tables, hit.primitive, hit.b1, hit.b2);
-        return place(tables, p, hit.instance);
+        let mut p = triangle_point_with::<DETAIL>(tables, hit.primitive, hit.b1, hit.b2);
+        if hit.instance != 0 {
+            place(tables, &mut p, hit.instance);
+        }
+        return p;
     }
     let quadric = hit.primitive - triangle_count;
     let to_object = &tables.quadrics[quadric as usize].to_object;
@@ -105,8 +124,11 @@ pub fn surface_at(tables: &Tables<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
     }
     origin = transform_point(to_object, origin);
     direction = transform_vector(to_object, direction);
-    let p = quadric_point_at(tables, quadric, origin + direction * hit.t);
-    place(tables, p, hit.instance)
+    let mut p = quadric_point_with::<DETAIL>(tables, quadric, origin + direction * hit.t);
+    if hit.instance != 0 {
+        place(tables, &mut p, hit.instance);
+    }
+    p
 }
 
 /// The surface at parameters of a primitive in the world: barycentric weights `a`, `b` of a triangle's second and third
@@ -115,48 +137,43 @@ pub fn surface_at(tables: &Tables<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
 pub fn surface_at_primitive(tables: &Tables<'_>, primitive: u32, a: f32, b: f32) -> SurfacePoint {
     let triangle_count = tables.triangles.len() as u32;
     if primitive < triangle_count {
-        triangle_point(tables, primitive, a, b)
+        triangle_point_with::<{ detail::CURVATURE }>(tables, primitive, a, b)
     } else {
         quadric_point(tables, primitive - triangle_count, a, b)
     }
 }
 
-/// A point in its group's space, moved to the world by its instance.
-#[inline]
-fn place(tables: &Tables<'_>, point: SurfacePoint, instance: u32) -> SurfacePoint {
-    if instance == 0 {
-        return point;
-    }
+/// Moves a point in its group's space to the world by its instance.
+fn place(tables: &Tables<'_>, p: &mut SurfacePoint, instance: u32) {
     let to_world = &tables.instances[instance as usize].to_world;
     let to_object = &tables.instances[instance as usize].to_object;
-    let mut p = point;
+    let (in_group, normal_in_group) = (p.position, p.geometric_normal);
     p.instance = instance;
-    p.position = transform_point(to_world, point.position);
+    p.position = transform_point(to_world, in_group);
     let geometric = NormalMap::new(
-        transform_normal(to_object, point.geometric_normal),
-        point.geometric_normal,
+        transform_normal(to_object, normal_in_group),
+        normal_in_group,
     );
     p.geometric_normal = geometric.n;
-    p.dp_du = transform_vector(to_world, point.dp_du);
-    p.dp_dv = transform_vector(to_world, point.dp_dv);
-    let n = transform_normal(to_object, point.frame.n);
+    p.dp_du = transform_vector(to_world, p.dp_du);
+    p.dp_dv = transform_vector(to_world, p.dp_dv);
+    let n = transform_normal(to_object, p.frame.n);
     let normal = NormalMap::new(n, p.geometric_normal);
-    p.dn_du = normal.derivative(transform_normal(to_object, point.dn_du));
-    p.dn_dv = normal.derivative(transform_normal(to_object, point.dn_dv));
+    p.dn_du = normal.derivative(transform_normal(to_object, p.dn_du));
+    p.dn_dv = normal.derivative(transform_normal(to_object, p.dn_dv));
     let tangent = if p.dp_du.length_squared() > 0.0 {
         p.dp_du
     } else {
-        transform_vector(to_world, point.frame.s)
+        transform_vector(to_world, p.frame.s)
     };
     p.frame = Frame::from_normal_tangent(normal.n, tangent);
     // The error in the group and that of mapping a ray's origin into it, as long as the map makes them along the normal,
     // and the rounding of the position here.
-    let outside = transform_magnitude(to_world, point.position) + translation(to_world).abs();
+    let outside = transform_magnitude(to_world, in_group) + translation(to_world).abs();
     let inside = transform_magnitude(to_object, p.position) + translation(to_object).abs();
-    let mapped = 8.0 * ROUNDING * inside.dot(point.geometric_normal.abs());
-    p.position_error = (point.position_error + mapped) * geometric.inverse_length
+    let mapped = 8.0 * ROUNDING * inside.dot(normal_in_group.abs());
+    p.position_error = (p.position_error + mapped) * geometric.inverse_length
         + 8.0 * ROUNDING * outside.dot(p.geometric_normal.abs());
-    p
 }
 
 /// Normalisation N -> n = N / |N| and what it does to derivatives.

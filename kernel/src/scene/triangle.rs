@@ -9,7 +9,7 @@
 
 use super::intersect::ROUNDING;
 use super::records::{NONE, shape_flag};
-use super::surface::{NormalMap, SurfacePoint, unit_or};
+use super::surface::{NormalMap, SurfacePoint, detail, unit_or};
 use super::view::Tables;
 use crate::math::float::{abs, sqrt};
 use crate::math::{Frame, vec3};
@@ -18,8 +18,19 @@ use glam::{Vec2, Vec3};
 /// The point with barycentric weights `b1`, `b2` of the second and third vertex, in the space of its group.
 #[inline]
 pub fn triangle_point(tables: &Tables<'_>, primitive: u32, b1: f32, b2: f32) -> SurfacePoint {
-    let triangle = tables.triangles[primitive as usize];
-    let shape = tables.shapes[triangle.shape as usize];
+    triangle_point_with::<{ detail::CURVATURE }>(tables, primitive, b1, b2)
+}
+
+/// [`triangle_point`] with one of the degrees of [`detail`].
+#[inline]
+pub fn triangle_point_with<const DETAIL: u32>(
+    tables: &Tables<'_>,
+    primitive: u32,
+    b1: f32,
+    b2: f32,
+) -> SurfacePoint {
+    let triangle = &tables.triangles[primitive as usize];
+    let shape = &tables.shapes[triangle.shape as usize];
     let [i0, i1, i2] = triangle.vertices;
     let p0 = vec3(tables.positions[i0 as usize]);
     let e1 = vec3(tables.positions[i1 as usize]) - p0;
@@ -27,8 +38,14 @@ pub fn triangle_point(tables: &Tables<'_>, primitive: u32, b1: f32, b2: f32) -> 
     let position = p0 + e1 * b1 + e2 * b2;
 
     let cross = e1.cross(e2);
-    let area2 = sqrt(cross.length_squared());
-    let mut geometric_normal = unit_or(scaled_cross(e1, e2), Vec3::Z);
+    let squared = cross.length_squared();
+    let area2 = sqrt(squared);
+    let inverse_area2 = if area2 > 1e-30 { 1.0 / area2 } else { 0.0 };
+    let mut geometric_normal = if squared > 1e-30 && squared < f32::MAX {
+        cross * inverse_area2
+    } else {
+        unit_or(scaled_cross(e1, e2), Vec3::Z)
+    };
 
     // The map from (b1, b2) to (u, v), by its columns.
     let (mut uv, mut duv1, mut duv2) = (Vec2::new(b1, b2), Vec2::X, Vec2::Y);
@@ -38,38 +55,55 @@ pub fn triangle_point(tables: &Tables<'_>, primitive: u32, b1: f32, b2: f32) -> 
         duv2 = uv_of(tables, i2, shape.uv_offset) - uv0;
         uv = uv0 + duv1 * b1 + duv2 * b2;
     }
+    let is_smooth = shape.normal_offset != NONE && shape.flags & shape_flag::FACE_NORMALS == 0;
     let (mut dn1, mut dn2) = (Vec3::ZERO, Vec3::ZERO);
     let mut n = geometric_normal;
-    if shape.normal_offset != NONE && shape.flags & shape_flag::FACE_NORMALS == 0 {
+    if is_smooth {
         let n0 = normal_of(tables, i0, shape.normal_offset);
         let n1 = normal_of(tables, i1, shape.normal_offset) - n0;
         let n2 = normal_of(tables, i2, shape.normal_offset) - n0;
         let normal = NormalMap::new(n0 + n1 * b1 + n2 * b2, geometric_normal);
         n = normal.n;
-        dn1 = normal.derivative(n1);
-        dn2 = normal.derivative(n2);
+        if DETAIL >= detail::CURVATURE {
+            dn1 = normal.derivative(n1);
+            dn2 = normal.derivative(n2);
+        }
     }
-    let map = UvMap::new(duv1, duv2, e1, e2, geometric_normal, area2);
+    let position_error = position_error(position, e1, e2, geometric_normal, inverse_area2);
+    let map_normal = geometric_normal;
     if shape.flags & shape_flag::FLIP_NORMALS != 0 {
         geometric_normal = -geometric_normal;
         n = -n;
         dn1 = -dn1;
         dn2 = -dn2;
     }
-    let (mut dp_du, mut dp_dv) = (map.u(e1, e2), map.v(e1, e2));
-    if !(is_moderate(dp_du) && is_moderate(dp_dv)) {
-        let frame = Frame::from_normal(geometric_normal);
-        (dp_du, dp_dv) = (frame.s, frame.t);
-    }
-    let (mut dn_du, mut dn_dv) = (map.u(dn1, dn2), map.v(dn1, dn2));
-    if !(is_moderate(dn_du) && is_moderate(dn_dv)) {
-        (dn_du, dn_dv) = (Vec3::ZERO, Vec3::ZERO);
+    let (mut dp_du, mut dp_dv) = (Vec3::ZERO, Vec3::ZERO);
+    let (mut dn_du, mut dn_dv) = (Vec3::ZERO, Vec3::ZERO);
+    let mut frame = Frame {
+        s: Vec3::ZERO,
+        t: Vec3::ZERO,
+        n,
+    };
+    if DETAIL >= detail::TANGENTS {
+        let map = UvMap::new(duv1, duv2, e1, e2, map_normal, inverse_area2);
+        (dp_du, dp_dv) = (map.dp_du, map.dp_dv);
+        if !(is_moderate(dp_du) && is_moderate(dp_dv)) {
+            let frame = Frame::from_normal(geometric_normal);
+            (dp_du, dp_dv) = (frame.s, frame.t);
+        }
+        frame = Frame::from_normal_tangent(n, dp_du);
+        if DETAIL >= detail::CURVATURE && is_smooth {
+            (dn_du, dn_dv) = (map.u(dn1, dn2), map.v(dn1, dn2));
+            if !(is_moderate(dn_du) && is_moderate(dn_dv)) {
+                (dn_du, dn_dv) = (Vec3::ZERO, Vec3::ZERO);
+            }
+        }
     }
     SurfacePoint {
         position,
-        position_error: position_error(position, e1, e2, geometric_normal, area2),
+        position_error,
         geometric_normal,
-        frame: Frame::from_normal_tangent(n, dp_du),
+        frame,
         uv,
         barycentric: Vec2::new(b1, b2),
         dp_du,
@@ -100,7 +134,7 @@ fn scaled_cross(e1: Vec3, e2: Vec3) -> Vec3 {
 /// products of the normal's components (each relative to the sum of the two products, not to their difference). Along the
 /// normal that is at most `roundings` times the sum below; axis-parallel triangles lose all terms but their own offset.
 #[inline]
-fn position_error(position: Vec3, e1: Vec3, e2: Vec3, normal: Vec3, area2: f32) -> f32 {
+fn position_error(position: Vec3, e1: Vec3, e2: Vec3, normal: Vec3, inverse_area2: f32) -> f32 {
     let (a1, a2) = (e1.abs(), e2.abs());
     let reach = a1 + a2;
     let products = Vec3::new(
@@ -109,10 +143,10 @@ fn position_error(position: Vec3, e1: Vec3, e2: Vec3, normal: Vec3, area2: f32) 
         a1.x * a2.y + a1.y * a2.x,
     );
     // Slivers have a poor normal, but points found on them lie between their vertices: at most their reach away.
-    let tilt = if area2 > 0.0 {
-        (products.dot(reach) / area2).min(64.0 * reach.max_element())
+    let tilt = if inverse_area2 > 0.0 {
+        (products.dot(reach) * inverse_area2).min(64.0 * reach.max_element())
     } else {
-        reach.max_element()
+        64.0 * reach.max_element()
     };
     // The ray's origin after the offset is rounded in all components, and the floor leaves the triangle's vicinity
     // also where everything else is exact.
@@ -126,33 +160,49 @@ fn is_moderate(v: Vec3) -> bool {
     abs(v.x) + abs(v.y) + abs(v.z) < 1e25
 }
 
-/// The inverse of the map from barycentric weights to uv.
+/// The inverse of the map from barycentric weights to uv, and the tangents that it makes of the edges.
 #[derive(Clone, Copy)]
 struct UvMap {
     /// (db1/du, db2/du).
     du: Vec2,
     /// (db1/dv, db2/dv).
     dv: Vec2,
+    dp_du: Vec3,
+    dp_dv: Vec3,
 }
 
 impl UvMap {
     #[inline]
-    fn new(duv1: Vec2, duv2: Vec2, e1: Vec3, e2: Vec3, normal: Vec3, area2: f32) -> UvMap {
+    fn new(duv1: Vec2, duv2: Vec2, e1: Vec3, e2: Vec3, normal: Vec3, inverse_area2: f32) -> UvMap {
         let determinant = duv1.x * duv2.y - duv1.y * duv2.x;
         let inverse = 1.0 / determinant;
-        let map = UvMap {
-            du: Vec2::new(duv2.y, -duv1.y) * inverse,
-            dv: Vec2::new(-duv2.x, duv1.x) * inverse,
-        };
-        if abs(determinant) > 0.0 && is_moderate(map.u(e1, e2)) && is_moderate(map.v(e1, e2)) {
+        let map = UvMap::from_columns(
+            Vec2::new(duv2.y, -duv1.y) * inverse,
+            Vec2::new(-duv2.x, duv1.x) * inverse,
+            e1,
+            e2,
+        );
+        if abs(determinant) > 0.0 && is_moderate(map.dp_du) && is_moderate(map.dp_dv) {
             return map;
         }
         // Orthonormal tangents s, t written in the basis e1, e2: b1 = n . (s x e2) / |e1 x e2|, b2 = n . (e1 x s) / ...
-        let inverse = if area2 > 1e-30 { 1.0 / area2 } else { 0.0 };
+        let inverse = inverse_area2;
         let frame = Frame::from_normal(normal);
+        UvMap::from_columns(
+            Vec2::new(normal.dot(frame.s.cross(e2)), normal.dot(e1.cross(frame.s))) * inverse,
+            Vec2::new(normal.dot(frame.t.cross(e2)), normal.dot(e1.cross(frame.t))) * inverse,
+            e1,
+            e2,
+        )
+    }
+
+    #[inline]
+    fn from_columns(du: Vec2, dv: Vec2, e1: Vec3, e2: Vec3) -> UvMap {
         UvMap {
-            du: Vec2::new(normal.dot(frame.s.cross(e2)), normal.dot(e1.cross(frame.s))) * inverse,
-            dv: Vec2::new(normal.dot(frame.t.cross(e2)), normal.dot(e1.cross(frame.t))) * inverse,
+            du,
+            dv,
+            dp_du: e1 * du.x + e2 * du.y,
+            dp_dv: e1 * dv.x + e2 * dv.y,
         }
     }
 

@@ -8,7 +8,7 @@ use super::IntegratorSettings;
 use crate::math::warp::square_to_cosine_hemisphere;
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
-use crate::scene::surface::surface_at;
+use crate::scene::surface::{detail, surface_with};
 use crate::scene::{SceneView, Traverse};
 
 /// Accessibility of the point seen along `ray`, in every channel.
@@ -22,7 +22,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
     if !hit.is_hit() || settings.occlusion_samples == 0 {
         return Rgb::ZERO;
     }
-    let point = surface_at(&view.tables, ray, &hit);
+    let point = surface_with::<{ detail::TANGENTS }>(&view.tables, ray, &hit);
     let side = if point.frame.n.dot(ray.direction) > 0.0 {
         -1.0
     } else {

@@ -7,7 +7,7 @@ use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb, luminance};
 use crate::sampler::Sampler;
-use crate::scene::surface::surface_at;
+use crate::scene::surface::{detail, surface_with};
 use crate::scene::{SceneView, Traverse, camera};
 use glam::{Vec2, Vec3};
 
@@ -68,7 +68,7 @@ pub fn features<T: Traverse, S: Sampler>(
         if !hit.is_hit() {
             break;
         }
-        let point = surface_at(&view.tables, &ray, &hit);
+        let point = surface_with::<{ detail::TANGENTS }>(&view.tables, &ray, &hit);
         let wi = point.frame.to_local(-ray.direction);
         let bsdf = Bsdf::at(&view.tables, &point, wi, mode::RADIANCE);
         let pass = luminance(bsdf.null_transmittance());

@@ -12,7 +12,7 @@ use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
-use crate::scene::surface::surface_at;
+use crate::scene::surface::{detail, surface_with};
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse, emitter};
 use glam::Vec3;
 
@@ -37,7 +37,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
             }
             break;
         }
-        let point = surface_at(tables, &ray, &hit);
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
         if point.emitter != NONE {
             if settings.hide_emitters != 0 {
                 pass_through(&mut ray, &point);
@@ -126,7 +126,7 @@ fn bsdf_sample<T: Traverse, S: Sampler>(
             }
             break;
         }
-        let light = surface_at(tables, &ray, &hit);
+        let light = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
         if light.emitter != NONE {
             let emitted = emitter::area_radiance(tables, &light, -direction);
             if emitted.max_element() > 0.0 {

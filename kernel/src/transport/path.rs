@@ -18,7 +18,7 @@ use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
-use crate::scene::surface::surface_at;
+use crate::scene::surface::{detail, surface_with};
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse, emitter};
 use glam::Vec3;
 
@@ -63,6 +63,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
         pdf: 0.0,
         alone: true,
     };
+    let mut bsdf = Bsdf::BLACK;
     let mut depth = 0;
     let mut crossings = 0;
 
@@ -81,7 +82,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
             }
             break;
         }
-        let point = surface_at(tables, &ray, &hit);
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
         if point.emitter != NONE {
             if !visible {
                 crossings += 1;
@@ -109,7 +110,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
         if settings.strict_normals != 0 && !is_same_side(&point, -ray.direction, wi.z) {
             break;
         }
-        let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         if bsdf.has_smooth() {
             radiance += throughput
                 * emitter_sample(
@@ -183,7 +184,7 @@ pub(super) fn emitter_sample<T: Traverse, S: Sampler>(
     let u_select = sampler.next_1d();
     let u = sampler.next_2d();
     let light = emitter::sample_direct(tables, point.position, u_select, u);
-    if light.pdf <= 0.0 {
+    if light.pdf <= 0.0 || light.radiance.max_element() <= 0.0 {
         return Rgb::ZERO;
     }
     let wo = point.frame.to_local(light.direction);

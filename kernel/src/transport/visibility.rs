@@ -7,7 +7,7 @@
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb};
 use crate::scene::emitter::DirectSample;
-use crate::scene::surface::surface_at;
+use crate::scene::surface::{detail, surface_with};
 use crate::scene::{SceneView, SurfacePoint, Traverse, material_flag, scene_flag};
 
 /// Most masks that one straight line may pass before it counts as blocked.
@@ -38,7 +38,7 @@ pub fn transmittance<T: Traverse>(
         if !hit.is_hit() {
             return remaining;
         }
-        let mask = surface_at(&view.tables, &ray, &hit);
+        let mask = surface_with::<{ detail::TANGENTS }>(&view.tables, &ray, &hit);
         let material = view.tables.materials[mask.material as usize];
         if material.flags & material_flag::HAS_NULL == 0 {
             return Rgb::ZERO;

@@ -17,9 +17,10 @@ use super::DirectSample;
 use crate::math::affine::{determinant, transform_normal, transform_point, transform_vector};
 use crate::math::distribution::{cdf_pmf, sample_cdf};
 use crate::math::{Frame, Rgb, float, vec3, warp};
-use crate::scene::quadric::quadric_point_at;
-use crate::scene::surface::surface_at_primitive;
+use crate::scene::quadric::quadric_point_with;
+use crate::scene::surface::detail;
 use crate::scene::texture::eval_rgb;
+use crate::scene::triangle::triangle_point_with;
 use crate::scene::{NONE, Quadric, SurfacePoint, Tables, quadric_kind};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3};
@@ -77,7 +78,7 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
             return DirectSample::NONE;
         }
         let b = warp::square_to_triangle(Vec2::new(u_x, u.y));
-        let point = surface_at_primitive(tables, primitive, b.x, b.y);
+        let point = triangle_point_with::<{ detail::NORMALS }>(tables, primitive, b.x, b.y);
         let pdf = per_solid_angle(reference, &point, pmf / area);
         return towards(tables, emitter, reference, &point, pdf);
     }
@@ -92,7 +93,7 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
         let (s, c) = float::sin_cos(TAU * u.x);
         Vec3::new(c, s, u.y)
     };
-    let point = quadric_point_at(tables, index, p);
+    let point = quadric_point_with::<{ detail::NORMALS }>(tables, index, p);
     let pdf = per_solid_angle(reference, &point, quadric_pdf_area(quadric, p));
     towards(tables, emitter, reference, &point, pdf)
 }
@@ -258,7 +259,11 @@ fn sample_sphere(
     } else {
         t * d.z - distance
     };
-    let point = quadric_point_at(tables, index, frame.to_world(Vec3::new(x, y, z)));
+    let point = quadric_point_with::<{ detail::NORMALS }>(
+        tables,
+        index,
+        frame.to_world(Vec3::new(x, y, z)),
+    );
     let world = transform_vector(&quadric.to_world, frame.to_world(d));
     let length = world.length();
     if !(length > 0.0) || !(t > 0.0) {
@@ -333,6 +338,7 @@ fn quadric_area(quadric: &Quadric) -> f32 {
 #[cfg(not(target_arch = "spirv"))]
 pub(super) fn power(tables: &Tables<'_>, emitter: &crate::scene::Emitter) -> f64 {
     use crate::math::luminance;
+    use crate::scene::surface::surface_at_primitive;
     if emitter.shape == NONE {
         return 0.0;
     }

@@ -1,6 +1,6 @@
-//! The error function and its relatives against libm's `f64` ones.
+//! The error function and its relatives, arc tangents and roundings against libm's `f64` ones.
 
-use halflight_kernel::math::float::{erf, erf_inv, erfc_scaled};
+use halflight_kernel::math::float::{atan2, erf, erf_inv, erfc_scaled, floor};
 
 #[test]
 fn erf_is_accurate() {
@@ -56,4 +56,42 @@ fn check_inverse(y: f32) {
         step.abs() <= 4e-6 * x.abs(),
         "erf_inv({y}) = {x}, off by {step:e}"
     );
+}
+
+#[test]
+fn atan2_is_accurate_in_every_quadrant() {
+    for i in 0..=4000 {
+        let angle = (f64::from(i) / 2000.0 - 1.0) * core::f64::consts::PI;
+        for length in [1e-30, 0.3, 1.0, 7e20] {
+            let (y, x) = (
+                (libm::sin(angle) * length) as f32,
+                (libm::cos(angle) * length) as f32,
+            );
+            let want = libm::atan2(f64::from(y), f64::from(x));
+            let error = (f64::from(atan2(y, x)) - want).abs();
+            assert!(error <= 3e-7 * want.abs(), "atan2({y}, {x}): {error:e}");
+        }
+    }
+    assert_eq!(atan2(0.0, 0.0), 0.0);
+    assert_eq!(atan2(0.0, -1.0), core::f32::consts::PI);
+}
+
+#[test]
+fn floor_is_exact() {
+    for i in -4000..=4000 {
+        let x = i as f32 * 0.25;
+        assert_eq!(floor(x), libm::floorf(x), "{x}");
+    }
+    for x in [
+        8_388_607.5,
+        -8_388_607.5,
+        8_388_609.0,
+        1e30,
+        -1e30,
+        -1e-30,
+        f32::INFINITY,
+    ] {
+        assert_eq!(floor(x), libm::floorf(x), "{x}");
+    }
+    assert!(floor(f32::NAN).is_nan());
 }

@@ -49,12 +49,12 @@ impl PixelStatistics {
             Vec3::ZERO
         };
         self.count = self.count.saturating_add(1);
-        let n = f64::from(self.count);
+        let inverse = 1.0 / f64::from(self.count);
         let mut before = [0.0; 3];
         let mut after = [0.0; 3];
         for c in 0..3 {
             before[c] = f64::from(value[c]) - self.mean[c];
-            self.mean[c] += before[c] / n;
+            self.mean[c] += before[c] * inverse;
             after[c] = f64::from(value[c]) - self.mean[c];
             self.m2[c] += before[c] * after[c];
         }

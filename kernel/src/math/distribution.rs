@@ -21,9 +21,24 @@ pub fn cdf_pmf(data: &[f32], offset: u32, i: u32) -> f32 {
 /// Returns the index, `u` stretched to [0, 1) inside the index's interval, and the index's probability.
 #[inline]
 pub fn sample_cdf(data: &[f32], offset: u32, count: u32, u: f32) -> (u32, f32, f32) {
-    // The first index whose cumulative value is above u.
-    let mut low = 0;
-    let mut high = count - 1;
+    search(data, offset, 0, count - 1, u)
+}
+
+/// [`sample_cdf`] for a table with a guide, the [`GUIDE_WORDS`] words at `guide`: the same index, found in constant time
+/// where the probabilities do not differ by much.
+#[inline]
+pub fn sample_cdf_guided(data: &[f32], offset: u32, guide: u32, u: f32) -> (u32, f32, f32) {
+    // Exact: a multiplication by a power of two.
+    let cell = ((u * GUIDE_CELLS as f32) as u32).min(GUIDE_CELLS - 1);
+    let low = data[(guide + cell) as usize] as u32;
+    let high = data[(guide + cell + 1) as usize] as u32;
+    search(data, offset, low, high, u)
+}
+
+/// The first index from `low` to `high` whose cumulative value is above `u`, or `high`.
+#[inline]
+fn search(data: &[f32], offset: u32, low: u32, high: u32, u: f32) -> (u32, f32, f32) {
+    let (mut low, mut high) = (low, high);
     while low < high {
         let middle = (low + high) / 2;
         if data[(offset + middle) as usize] > u {
@@ -40,6 +55,27 @@ pub fn sample_cdf(data: &[f32], offset: u32, count: u32, u: f32) -> (u32, f32, f
     let pmf = data[(offset + low) as usize] - lower;
     let stretched = if pmf > 0.0 { (u - lower) / pmf } else { 0.0 };
     (low, stretched.clamp(0.0, ONE_MINUS_EPSILON), pmf)
+}
+
+/// Equal parts of [0, 1) that a guide tells where to search: a power of two.
+const GUIDE_CELLS: u32 = 128;
+
+/// Words of a guide: for each of its cells the first index that a number of the cell can choose (Chen and Asau 1974, "On
+/// Generating Random Variates from an Empirical Distribution"), and the last index of all. Indices below 2^24 are exact.
+pub const GUIDE_WORDS: u32 = GUIDE_CELLS + 1;
+
+/// Fills the guide `out` of the cumulative table `cdf`; host only, as [`fill_cdf`].
+#[cfg(not(target_arch = "spirv"))]
+pub fn fill_guide(cdf: &[f32], out: &mut [f32]) {
+    let last = cdf.len().saturating_sub(1);
+    let mut index = 0;
+    for (cell, word) in out.iter_mut().enumerate() {
+        let start = cell as f32 / GUIDE_CELLS as f32;
+        while index < last && cdf[index] <= start {
+            index += 1;
+        }
+        *word = index as f32;
+    }
 }
 
 /// The largest float below one.

@@ -12,9 +12,10 @@
 //!
 //! For sampling, a filter is a table of its means over `size` equal steps of [-radius, radius] (error of a step's
 //! integral: none; of its shape: below 1e-5 of the image at 512 steps). Layout in `data`: `size` words of the integral
-//! of |f| up to the end of each step, normalised to one, then `size` words of the integral of f in the same unit.
+//! of |f| up to the end of each step, normalised to one, then `size` words of the integral of f in the same unit, then
+//! the guide of the first.
 
-use super::distribution::sample_cdf;
+use super::distribution::{GUIDE_WORDS, sample_cdf_guided};
 use super::float;
 use crate::scene::{Camera, filter_kind};
 use core::f32::consts::PI;
@@ -90,7 +91,7 @@ fn sinc(x: f32) -> f32 {
 /// The words in `data` that a table of `size` steps takes.
 #[inline]
 pub fn table_words(size: u32) -> u32 {
-    2 * size
+    2 * size + GUIDE_WORDS
 }
 
 /// A table read between its words: the integral up to `position` steps.
@@ -122,17 +123,21 @@ pub fn sample(camera: &Camera, data: &[f32], lo: f32, hi: f32, u: f32) -> (f32, 
     let absolute = camera.filter_table;
     let signed = camera.filter_table + size;
     let steps_per_pixel = size as f32 / (2.0 * r);
-    let from = (lo + r) * steps_per_pixel;
-    let to = (hi + r) * steps_per_pixel;
-    let a0 = integral_to(data, absolute, size, from);
-    let a1 = integral_to(data, absolute, size, to);
-    let s0 = integral_to(data, signed, size, from);
-    let s1 = integral_to(data, signed, size, to);
+    let (mut a0, mut a1) = (0.0, data[(absolute + size - 1) as usize]);
+    let (mut s0, mut s1) = (0.0, data[(signed + size - 1) as usize]);
+    if lo > -r || hi < r {
+        let from = (lo + r) * steps_per_pixel;
+        let to = (hi + r) * steps_per_pixel;
+        a0 = integral_to(data, absolute, size, from);
+        a1 = integral_to(data, absolute, size, to);
+        s0 = integral_to(data, signed, size, from);
+        s1 = integral_to(data, signed, size, to);
+    }
     if !(a1 > a0) || !(s1 > s0) {
         return (0.5 * (lo + hi), 0.0);
     }
     let target = float::lerp(a0, a1, u);
-    let (step, stretched, _) = sample_cdf(data, absolute, size, target);
+    let (step, stretched, _) = sample_cdf_guided(data, absolute, signed + size, target);
     let offset = (step as f32 + stretched) / steps_per_pixel - r;
     let before = if step == 0 {
         0.0
@@ -152,7 +157,7 @@ pub fn sample(camera: &Camera, data: &[f32], lo: f32, hi: f32, u: f32) -> (f32, 
 /// Runs on the host only, once per scene: it sums in `f64`.
 #[cfg(not(target_arch = "spirv"))]
 pub fn fill_table(kind: u32, parameters: [f32; 3], out: &mut [f32]) {
-    let size = out.len() / 2;
+    let size = (out.len() - GUIDE_WORDS as usize) / 2;
     let r = f64::from(radius(kind, parameters));
     // Simpson's rule on eight parts of a step; a step is short against every feature of a filter.
     let step_integral = |step: usize| {
@@ -189,4 +194,6 @@ pub fn fill_table(kind: u32, parameters: [f32; 3], out: &mut [f32]) {
     if size > 0 && total > 0.0 {
         out[size - 1] = 1.0;
     }
+    let (tables, guide) = out.split_at_mut(2 * size);
+    super::distribution::fill_guide(&tables[..size], guide);
 }

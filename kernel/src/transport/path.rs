@@ -72,11 +72,11 @@ pub fn radiance<T: Traverse, S: Sampler>(
         let visible = depth > 0 || settings.hide_emitters == 0;
         if !hit.is_hit() {
             if visible && tables.info.environment != NONE {
-                let emitted = emitter::environment_radiance(tables, ray.direction);
+                let (emitted, pdf) = emitter::environment_radiance_and_pdf(tables, ray.direction);
                 let weight = if last.alone {
                     1.0
                 } else {
-                    power_heuristic(last.pdf, emitter::pdf_environment(tables, ray.direction))
+                    power_heuristic(last.pdf, pdf)
                 };
                 radiance += throughput * emitted * weight;
             }

@@ -15,7 +15,7 @@
 
 use super::DirectSample;
 use crate::math::affine::transform_vector;
-use crate::math::distribution::{cdf_pmf, sample_cdf};
+use crate::math::distribution::{GUIDE_WORDS, cdf_pmf, sample_cdf_guided};
 use crate::math::warp::{UNIFORM_SPHERE_PDF, square_to_uniform_sphere};
 use crate::math::{Rgb, float, vec3};
 use crate::scene::texture::eval_uv;
@@ -37,6 +37,30 @@ pub fn environment_radiance(tables: &Tables<'_>, direction: Vec3) -> Rgb {
         tables,
         emitter,
         to_uv(transform_vector(&emitter.to_local, direction)),
+    )
+}
+
+/// [`environment_radiance`] and [`pdf_environment`] of the same direction.
+pub fn environment_radiance_and_pdf(tables: &Tables<'_>, direction: Vec3) -> (Rgb, f32) {
+    let index = tables.info.environment;
+    if index == NONE {
+        return (Vec3::ZERO, 0.0);
+    }
+    let emitter = &tables.emitters[index as usize];
+    if emitter.kind != emitter_kind::ENVIRONMENT {
+        let pdf = UNIFORM_SPHERE_PDF * emitter.selection_pdf;
+        return (vec3(emitter.radiance.value), pdf);
+    }
+    let uv = to_uv(transform_vector(&emitter.to_local, direction));
+    let pdf = if has_table(emitter) {
+        let (column, row) = cell(emitter, uv);
+        pdf_of_cell(tables, emitter, column, row)
+    } else {
+        UNIFORM_SPHERE_PDF
+    };
+    (
+        radiance_at(tables, emitter, uv),
+        pdf * emitter.selection_pdf,
     )
 }
 
@@ -78,8 +102,15 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, u: Vec2) -> DirectSample {
         return result;
     }
     let (w, h) = (record.width, record.height);
-    let (row, t_row, _) = sample_cdf(tables.data, record.distribution, h, u.y);
-    let (column, t_column, _) = sample_cdf(tables.data, record.distribution + h + row * w, w, u.x);
+    let table = record.distribution;
+    let guides = table + h + w * h;
+    let (row, t_row, _) = sample_cdf_guided(tables.data, table, guides, u.y);
+    let (column, t_column, _) = sample_cdf_guided(
+        tables.data,
+        table + h + row * w,
+        guides + (1 + row) * GUIDE_WORDS,
+        u.x,
+    );
     // Uniform in the cosine between the row's edges, as the complement 1 - cos from the nearer pole.
     let upper = row * 2 < h;
     let (near, far) = if upper {
@@ -87,11 +118,16 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, u: Vec2) -> DirectSample {
     } else {
         (h - row, h - row - 1)
     };
-    let k = float::lerp(one_minus_cos(near, h), one_minus_cos(far, h), t_row);
+    let (k_near, k_far) = (
+        one_minus_cos(tables, record, near),
+        one_minus_cos(tables, record, far),
+    );
+    let k = float::lerp(k_near, k_far, t_row);
     let sin_theta = float::safe_sqrt(k * (2.0 - k));
     let cos_theta = if upper { 1.0 - k } else { k - 1.0 };
     // Cells lie between column centres.
-    let phi = TAU * ((column as f32 + 0.5 + t_column) / w as f32);
+    let across = (column as f32 + 0.5 + t_column) / w as f32;
+    let phi = TAU * across;
     let (sin_phi, cos_phi) = float::sin_cos(phi);
     let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
     let direction = transform_vector(&record.to_world, local);
@@ -101,7 +137,11 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, u: Vec2) -> DirectSample {
     }
     result.direction = direction / length;
     result.pdf = pdf_of_cell(tables, record, column, row);
-    result.radiance = radiance_at(tables, record, to_uv(local));
+    let uv = Vec2::new(
+        if across >= 1.0 { across - 1.0 } else { across },
+        float::atan2(sin_theta, cos_theta) * FRAC_1_PI,
+    );
+    result.radiance = radiance_at(tables, record, uv);
     result
 }
 
@@ -114,10 +154,17 @@ fn has_table(emitter: &Emitter) -> bool {
         && emitter.height > 0
 }
 
-/// 1 - cos of the polar angle `pi row / h`, without cancellation.
+/// 1 - cos of the polar angle `pi row / h`, for `row` up to h / 2 (rounded up); read from the table.
 #[inline]
-fn one_minus_cos(row: u32, h: u32) -> f32 {
-    2.0 * float::sqr(float::sin(0.5 * PI * (row as f32 / h as f32)))
+fn one_minus_cos(tables: &Tables<'_>, emitter: &Emitter, row: u32) -> f32 {
+    tables.data[(caps(emitter) + row) as usize]
+}
+
+/// Where the table holds 1 - cos of the edges of the rows, then the factors of the rows in [`pdf_of_cell`].
+#[inline]
+fn caps(emitter: &Emitter) -> u32 {
+    let (w, h) = (emitter.width, emitter.height);
+    emitter.distribution + h + w * h + (h + 1) * GUIDE_WORDS
 }
 
 /// Image coordinates in [0, 1]^2 of a direction in the emitter's frame, of any length.
@@ -165,13 +212,12 @@ fn cell(emitter: &Emitter, uv: Vec2) -> (u32, u32) {
 #[inline]
 fn pdf_of_cell(tables: &Tables<'_>, emitter: &Emitter, column: u32, row: u32) -> f32 {
     let (w, h) = (emitter.width, emitter.height);
-    let pmf = cdf_pmf(tables.data, emitter.distribution, row)
-        * cdf_pmf(tables.data, emitter.distribution + h + row * w, column);
-    pmf * w as f32 / (TAU * row_height(row, h))
+    let factor = tables.data[(caps(emitter) + h + 1 + row) as usize];
+    factor * cdf_pmf(tables.data, emitter.distribution + h + row * w, column)
 }
 
 /// cos of the row's upper edge minus cos of its lower edge: `2 sin(middle) sin(half height)`.
-#[inline]
+#[cfg(not(target_arch = "spirv"))]
 fn row_height(row: u32, h: u32) -> f32 {
     let half = 0.5 * PI / h as f32;
     2.0 * float::sin((2 * row + 1) as f32 * half) * float::sin(half)
@@ -185,9 +231,10 @@ pub fn environment_table_size(width: u32, height: u32) -> (u32, u32) {
     )
 }
 
-/// Words in `data` of a table of `width` columns and `height` rows.
+/// Words in `data` of a table of `width` columns and `height` rows: cumulative rows, cumulative cells of each row, the
+/// guides of the rows and of each row's cells, 1 - cos of the rows' edges, factors of the densities.
 pub fn environment_table_words(width: u32, height: u32) -> u32 {
-    height + width * height
+    height + width * height + (height + 1) * GUIDE_WORDS + 2 * height + 1
 }
 
 /// Luminance of the texel at a corner of the cells, as the lookup sees it.
@@ -209,9 +256,12 @@ pub fn fill_environment_distribution(
     emitter: &Emitter,
     out: &mut [f32],
 ) -> f64 {
-    use crate::math::distribution::fill_cdf;
+    use crate::math::distribution::{fill_cdf, fill_guide};
     let (w, h) = (emitter.width as usize, emitter.height as usize);
-    let (rows, cells) = out.split_at_mut(h);
+    let (rows, rest) = out.split_at_mut(h);
+    let (cells, rest) = rest.split_at_mut(w * h);
+    let (guides, rest) = rest.split_at_mut((h + 1) * GUIDE_WORDS as usize);
+    let (caps, factors) = rest.split_at_mut(h + 1);
     let mut integral = 0.0;
     for j in 0..h {
         let line = &mut cells[j * w..(j + 1) * w];
@@ -228,6 +278,21 @@ pub fn fill_environment_distribution(
         integral += row * core::f64::consts::TAU;
     }
     fill_cdf(rows);
+    let (row_guide, cell_guides) = guides.split_at_mut(GUIDE_WORDS as usize);
+    fill_guide(rows, row_guide);
+    for (line, guide) in cells
+        .chunks(w)
+        .zip(cell_guides.chunks_mut(GUIDE_WORDS as usize))
+    {
+        fill_guide(line, guide);
+    }
+    for (j, cap) in caps.iter_mut().enumerate() {
+        *cap = 2.0 * float::sqr(float::sin(0.5 * PI * (j as f32 / h as f32)));
+    }
+    for j in 0..h {
+        let row = j as u32;
+        factors[j] = cdf_pmf(rows, 0, row) * w as f32 / (TAU * row_height(row, emitter.height));
+    }
     integral
 }
 

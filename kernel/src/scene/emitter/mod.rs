@@ -19,7 +19,8 @@ pub mod environment;
 
 pub use area::{area_radiance, pdf_direct};
 pub use environment::{
-    environment_radiance, environment_table_size, environment_table_words, pdf_environment,
+    environment_radiance, environment_radiance_and_pdf, environment_table_size,
+    environment_table_words, pdf_environment,
 };
 #[cfg(not(target_arch = "spirv"))]
 pub use {

@@ -7,7 +7,9 @@ mod common;
 
 use common::Random;
 use glam::{Vec2, Vec3};
-use halflight_kernel::math::distribution::{ONE_MINUS_EPSILON, cdf_pmf, fill_cdf, sample_cdf};
+use halflight_kernel::math::distribution::{
+    GUIDE_WORDS, ONE_MINUS_EPSILON, cdf_pmf, fill_cdf, fill_guide, sample_cdf, sample_cdf_guided,
+};
 use halflight_kernel::math::warp::*;
 use proptest::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -183,4 +185,40 @@ fn the_stretched_number_is_uniform_again() {
     assert_eq!((i, t, pmf), (2, 0.5, 0.5));
     let (i, t, pmf) = sample_cdf(&data, 0, 4, 0.25);
     assert_eq!((i, t, pmf), (2, 0.0, 0.5));
+}
+
+#[test]
+fn guides_find_what_a_search_of_the_whole_table_finds() {
+    for count in [1_u32, 3, 128, 1000] {
+        // Weights over many magnitudes, with gaps.
+        let weight = |i: u32| {
+            if i % 5 == 1 {
+                0.0
+            } else {
+                10.0_f32.powi((i * i % 7) as i32 - 3)
+            }
+        };
+        let mut data: Vec<f32> = (0..count).map(weight).collect();
+        fill_cdf(&mut data);
+        let mut guide = vec![0.0; GUIDE_WORDS as usize];
+        fill_guide(&data, &mut guide);
+        data.extend(guide);
+        for i in 0..100_000 {
+            let u = i as f32 / 100_000.0;
+            assert_eq!(
+                sample_cdf_guided(&data, 0, count, u),
+                sample_cdf(&data, 0, count, u)
+            );
+        }
+        // Numbers next to the guide's cells and to the table's steps.
+        let steps = (0..count as usize).map(|i| data[i]);
+        for u in steps.chain((0..128).map(|i| i as f32 / 128.0)) {
+            for u in [u.next_down().max(0.0), u.min(ONE_MINUS_EPSILON)] {
+                assert_eq!(
+                    sample_cdf_guided(&data, 0, count, u),
+                    sample_cdf(&data, 0, count, u)
+                );
+            }
+        }
+    }
 }

@@ -13,7 +13,8 @@
 //!
 //! Fall-backs: [`DIFFUSE_ROUGHNESS`] where nothing falls off with `t`; zero where only discrete directions exist; at
 //! `t = 0`, where equation 3 is 0 / 0, its limit. Checked: alpha for Beckmann at every angle, `(alpha^2 + t^2) / 2` for
-//! GGX, closed forms for Phong and the exponential power distribution, finite differences of every lobe.
+//! GGX, closed forms for Phong and the exponential power distribution, refraction by coats, and that differences agree with
+//! the derivatives.
 
 use super::lobe::{eval_cosine, inner_directions, model_eval};
 use super::{Bsdf, Lobe, coat_reflection, microfacet};

@@ -1,7 +1,7 @@
 //! The command `halflight`.
 
 use clap::{Parser, Subcommand};
-use halflight::commands::{compare, info, material, merge, render};
+use halflight::commands::{compare, experiment, info, material, merge, render};
 use std::error::Error;
 use std::process::ExitCode;
 use tracing_subscriber::filter::LevelFilter;
@@ -32,6 +32,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Merge images of the same scene with different samples
     Merge(merge::MergeArgs),
+    /// Reproduce a statement of the papers on integrals with known answers
+    Experiment(experiment::ExperimentArgs),
 }
 
 fn main() -> ExitCode {
@@ -64,5 +66,6 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         Command::Material(args) => material::run(&args, cli.quiet),
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),
+        Command::Experiment(args) => Ok(experiment::run(&args)?),
     }
 }

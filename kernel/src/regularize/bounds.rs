@@ -26,7 +26,7 @@
 //!   eta o.h)^2` peaks at normal incidence, masking at grazing angles, and where both are large D is small. The search
 //!   finds the largest refraction at normal incidence, `K / (pi alpha^2)` as for V-cavities, until grazing normals
 //!   take over. [`tight_refraction_bound`] is that: times `max(1, 4 alpha^2)` for GGX (attained), times `1 + 6
-//!   alpha^2` for Beckmann (found by search, for eta in [1/4, 4]).
+//!   alpha^2` for Beckmann and `1 + 12 alpha^2` for the cosine distribution (found by search, for eta in 1/4 to 4).
 //! - Beckmann above 1/sqrt(2): the peak of D leaves the normal, a factor `4 alpha^4 exp(1/alpha^2 - 2)`, up to 1.47 at
 //!   alpha = 1; GGX above 1: a factor alpha^4. [`peak_excess`] has both; alpha_hat is clamped to 1.
 //! - V-cavity: a heuristic for normal incidence only, the BSDF diverges as 1/cos^2 at grazing mirror pairs.
@@ -164,6 +164,16 @@ pub fn refraction_alpha(masking: u32, distribution: u32, tau: f32, eta: f32) -> 
     invert(masking, c, tau)
 }
 
+/// What grazing normals add to `1 / alpha^2` in the tight bound of Beckmann's and of the cosine distribution.
+#[inline]
+fn grazing_share(distribution: u32) -> f32 {
+    if distribution == kinds::PHONG {
+        12.0
+    } else {
+        6.0
+    }
+}
+
 /// Bound of an isotropic refracting BSDF with separable Smith masking, without the looseness of equation 9.
 #[inline]
 pub fn tight_refraction_bound(distribution: u32, alpha: f32, eta: f32) -> f32 {
@@ -173,7 +183,7 @@ pub fn tight_refraction_bound(distribution: u32, alpha: f32, eta: f32) -> f32 {
     let bound = if distribution == kinds::GGX {
         k * inverse.max(4.0)
     } else {
-        k * (inverse + 6.0)
+        k * (inverse + grazing_share(distribution))
     };
     bound.min(TAU_MAX)
 }
@@ -189,7 +199,7 @@ pub fn tight_refraction_alpha(distribution: u32, tau: f32, eta: f32) -> f32 {
     let inverse = if distribution == kinds::GGX {
         if x < 4.0 { 0.0 } else { x }
     } else {
-        x - 6.0
+        x - grazing_share(distribution)
     };
     if inverse > 1.0 {
         1.0 / sqrt(inverse)

@@ -1,6 +1,7 @@
 //! The subcommands of `halflight`, one per file.
 
 pub mod compare;
+pub mod experiment;
 pub mod info;
 pub mod material;
 pub mod merge;

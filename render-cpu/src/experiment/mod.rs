@@ -1,0 +1,80 @@
+//! Experiments: what the papers prove about regularisation and half-vector space, reproduced on integrals with known
+//! answers, with the kernel's own functions.
+//!
+//! Each experiment returns a [`Report`]: the text that the command prints and the diagrams that it writes. They are
+//! deterministic: fixed seeds, and sums over runs in a fixed order whatever the number of threads.
+
+pub mod appm;
+pub mod bounds;
+pub mod half_vector_flatness;
+pub mod mollified_estimator;
+pub mod search;
+
+use crate::plot::Plot;
+
+/// What an experiment found.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Tables and what they show.
+    pub text: String,
+    /// Diagrams.
+    pub plots: Vec<Plot>,
+    /// Numbers by name, for tests.
+    pub figures: Vec<(String, f64)>,
+}
+
+impl Report {
+    /// A figure by its name.
+    pub fn figure(&self, name: &str) -> Option<f64> {
+        let found = self.figures.iter().find(|(n, _)| n == name);
+        found.map(|(_, value)| *value)
+    }
+}
+
+/// An experiment that the command can run.
+pub struct Experiment {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it shows.
+    pub about: &'static str,
+    /// Runs it; `true` for fewer samples.
+    pub run: fn(bool) -> Report,
+}
+
+/// All experiments.
+pub const ALL: [Experiment; 4] = [
+    Experiment {
+        name: "mollified-estimator",
+        about: "bias, variance and error of a mollified delta against the exponent of its bandwidth",
+        run: mollified_estimator::run,
+    },
+    Experiment {
+        name: "appm",
+        about: "progressive photon mapping: the optimal alpha and radii from statistics",
+        run: appm::run,
+    },
+    Experiment {
+        name: "bounds",
+        about: "largest values of BSDFs against their bounds, and of regularised BSDFs against tau",
+        run: bounds::run,
+    },
+    Experiment {
+        name: "half-vector-flatness",
+        about: "how flat and how decorrelated a path's contribution is in half-vector space",
+        run: half_vector_flatness::run,
+    },
+];
+
+/// Slope of `y` over `x` in logarithms, by least squares.
+pub(crate) fn log_slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let (mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0);
+    for &(x, y) in points {
+        let (x, y) = (x.ln(), y.abs().max(1e-300).ln());
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+    }
+    (n * sxy - sx * sy) / (n * sxx - sx * sx)
+}

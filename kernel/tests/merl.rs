@@ -7,7 +7,7 @@ use common::{Random, direction_at, furnace};
 use glam::{DQuat, DVec3, Vec2, Vec3};
 use halflight_kernel::bsdf::lobe;
 use halflight_kernel::bsdf::local_roughness::lobe_falloff;
-use halflight_kernel::bsdf::merl::{half_difference_angles, lookup};
+use halflight_kernel::bsdf::merl::{directions, half_difference_angles, lookup};
 use proptest::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::f64::consts::PI as PI64;
@@ -41,6 +41,20 @@ fn angles_are_those_of_rusinkiewicz() {
         let phi = phi.min(PI64 - phi) * sin_d * expected[0].sin();
         assert!(phi < 1e-5, "{wi} {wo}: {found} {expected:?}");
         assert!((0.0..PI).contains(&found.z));
+    }
+}
+
+#[test]
+fn directions_are_the_inverse_of_angles() {
+    for h in 0..CELLS[0] {
+        for d in 0..CELLS[1] {
+            for p in 0..CELLS[2] {
+                let angles = centre(h, d, p);
+                let (wi, wo) = directions(angles);
+                let found = half_difference_angles(wi, wo);
+                assert!((found - angles).length() < 2e-4, "{angles}: {found}");
+            }
+        }
     }
 }
 

@@ -15,7 +15,7 @@
 use crate::atomic_file::{WriteError, write_atomically};
 use crate::film::luminance;
 use image::ImageEncoder;
-use image::codecs::png::PngEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::path::Path;
 
 /// How radiance is scaled before the tone curve.
@@ -118,7 +118,7 @@ pub fn write_png_bytes(path: &Path, width: u32, height: u32, rgb: &[u8]) -> Resu
         "bytes do not fill the image"
     );
     write_atomically(path, |file| {
-        PngEncoder::new(file)
+        PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive)
             .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)
             .map_err(|e| match e {
                 image::ImageError::IoError(e) => e,

@@ -1,9 +1,12 @@
 //! The reader of MERL files on small synthetic files, and the plugin that names one.
 
 use halflight::measured::merl::{MAX_CELLS_PER_AXIS, Merl, MerlError};
+use halflight::measured::synthetic::nickel;
 use halflight::scene::build::{BuildOptions, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
+use halflight_kernel::bsdf::local_roughness::lobe_falloff;
 use halflight_kernel::bsdf::merl::lookup;
+use halflight_kernel::bsdf::{Lobe, lobe};
 use halflight_kernel::scene::lobe_kind;
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::path::Path;
@@ -96,6 +99,31 @@ fn wrong_files_are_refused() {
         let place = 12 + 8 * (2 * COUNT + 5);
         assert_eq!(Merl::read(&bytes), Err(MerlError::Value(place)));
     }
+}
+
+#[test]
+fn synthetic_nickel_reflects_like_a_metal() {
+    let bytes = nickel();
+    assert_eq!(bytes.len(), 34_992_012);
+    let measured = Merl::read(&bytes).unwrap();
+    // Cells of the format that no pair of directions above the surface has.
+    assert!(measured.invalid > measured.values.len() / 10);
+    let table = measured.table();
+    let mut lobe = Lobe::NONE;
+    (lobe.kind, lobe.table) = (lobe_kind::MERL, 0);
+    let albedo = lobe::albedo(&lobe, &table, glam::Vec3::Z);
+    // Nickel reflects 0.68, 0.58 and 0.49 at normal incidence; masking takes a little.
+    assert!(albedo.x > albedo.y && albedo.y > albedo.z, "{albedo}");
+    assert!(albedo.x < 0.75 && albedo.z > 0.4, "{albedo}");
+    // The local roughness grows from the narrow lobe's to the wide one's and beyond.
+    let roughness = |degrees: f32| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let out = glam::Vec3::new(sin, 0.0, cos);
+        1.0 / lobe_falloff(&lobe, &table, glam::Vec3::Z, out).sqrt()
+    };
+    let found = [4.0, 20.0, 60.0, 85.0].map(roughness);
+    assert!(found.windows(2).all(|w| w[0] < w[1]), "{found:?}");
+    assert!(found[0] < 0.12 && found[2] > 0.3, "{found:?}");
 }
 
 #[test]

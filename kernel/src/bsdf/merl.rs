@@ -110,6 +110,18 @@ pub fn half_difference_angles(wi: Vec3, wo: Vec3) -> Vec3 {
     )
 }
 
+/// A pair of directions with the given angles, the half vector at azimuth zero; wi and wo may lie below the surface.
+#[inline]
+pub fn directions(angles: Vec3) -> (Vec3, Vec3) {
+    let (sin_h, cos_h) = float::sin_cos(angles.x);
+    let (sin_d, cos_d) = float::sin_cos(angles.y);
+    let (sin_phi, cos_phi) = float::sin_cos(angles.z);
+    let h = Vec3::new(sin_h, 0.0, cos_h);
+    let across = Vec3::new(cos_h, 0.0, -sin_h);
+    let wi = across * (sin_d * cos_phi) + Vec3::Y * (sin_d * sin_phi) + h * cos_d;
+    (wi, reflect(wi, h))
+}
+
 /// Trilinear value at angles of [`half_difference_angles`].
 #[inline]
 pub fn lookup(data: &[f32], table: u32, angles: Vec3) -> Rgb {

@@ -57,8 +57,16 @@ pub const EXAMPLES: &[Example] = &[
         bsdf: r#"<bsdf type="roughconductor"><string name="material" value="Cu"/><string name="distribution" value="epd"/><float name="alpha" value="0.1"/><float name="exponent" value="0.4"/></bsdf>"#,
     },
     Example {
+        name: "roughconductor textured",
+        bsdf: r#"<bsdf type="roughconductor"><string name="material" value="Au"/><string name="distribution" value="ggx"/><texture name="alpha" type="checkerboard"><rgb name="color0" value="0.05"/><rgb name="color1" value="0.4"/><transform name="to_uv"><scale value="6"/></transform></texture></bsdf>"#,
+    },
+    Example {
         name: "ctd",
         bsdf: r#"<bsdf type="ctd"><string name="material" value="Au"/></bsdf>"#,
+    },
+    Example {
+        name: "merl",
+        bsdf: r#"<bsdf type="merl"><string name="filename" value="$halflight_folder/nickel.binary"/></bsdf>"#,
     },
     Example {
         name: "dielectric",
@@ -89,6 +97,10 @@ pub const EXAMPLES: &[Example] = &[
         bsdf: r#"<bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.4, 0.05, 0.04"/><texture name="alpha" type="checkerboard"><rgb name="color0" value="0.04"/><rgb name="color1" value="0.45"/><transform name="to_uv"><scale value="8"/></transform></texture></bsdf>"#,
     },
     Example {
+        name: "roughplastic absorbing",
+        bsdf: r#"<bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.95"/><rgb name="sigma_a" value="0.05, 0.3, 1.2"/><float name="alpha" value="0.2"/><boolean name="nonlinear" value="true"/></bsdf>"#,
+    },
+    Example {
         name: "coating",
         bsdf: r#"<bsdf type="coating"><bsdf type="roughconductor"><string name="material" value="Cu"/><string name="distribution" value="ggx"/><float name="alpha" value="0.3"/></bsdf></bsdf>"#,
     },
@@ -99,6 +111,10 @@ pub const EXAMPLES: &[Example] = &[
     Example {
         name: "roughcoating",
         bsdf: r#"<bsdf type="roughcoating"><float name="alpha" value="0.2"/><rgb name="sigma_a" value="0.05, 0.5, 0.9"/><bsdf type="roughconductor"><string name="material" value="Ag"/><string name="distribution" value="ggx"/><float name="alpha" value="0.1"/></bsdf></bsdf>"#,
+    },
+    Example {
+        name: "roughcoating textured",
+        bsdf: r#"<bsdf type="roughcoating"><texture name="alpha" type="checkerboard"><rgb name="color0" value="0.03"/><rgb name="color1" value="0.4"/><transform name="to_uv"><scale value="6"/></transform></texture><bsdf type="diffuse"><rgb name="reflectance" value="0.02, 0.1, 0.15"/></bsdf></bsdf>"#,
     },
     Example {
         name: "coating twice",
@@ -119,7 +135,7 @@ pub const EXAMPLES: &[Example] = &[
 ];
 
 /// Side of a picture of the contact sheet.
-pub const PICTURE: u32 = 172;
+pub const PICTURE: u32 = 156;
 /// Height of a label.
 const LABEL: u32 = 26;
 /// Space between pictures.
@@ -147,7 +163,7 @@ pub fn contact_sheet(
     canvas.draw(|area| {
         for (i, example) in examples.iter().enumerate() {
             let (x, y) = place(i);
-            let style = text_style(13).pos(Pos::new(HPos::Center, VPos::Top));
+            let style = text_style(12).pos(Pos::new(HPos::Center, VPos::Top));
             let at = ((x + PICTURE / 2) as i32, (y + PICTURE + 6) as i32);
             area.draw(&Text::new(example.name, at, style))?;
         }

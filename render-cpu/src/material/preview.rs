@@ -4,6 +4,7 @@ use super::source::{Source, escaped};
 use crate::accel::Accel;
 use crate::aov::AovSet;
 use crate::film::Film;
+use crate::measured::synthetic::nickel;
 use crate::png_output::{Exposure, tone_map};
 use crate::render::{Goal, Observer, RenderOptions, RunState, render};
 use crate::scene::build::{BuildOptions, FilmOverride, Scene, build_scene};
@@ -30,6 +31,11 @@ const FIELD: [&str; 2] = [
     "<float name=\"fov\" value=\"27\"/>",
     "<float name=\"fov\" value=\"21\"/>",
 ];
+
+/// Name of the parameter that holds the folder with the files of the preview.
+const FOLDER: &str = "halflight_folder";
+/// The synthetic measurement, as BSDFs name it.
+const NICKEL: &str = "$halflight_folder/nickel.binary";
 
 /// Index of the ball among the shapes: the floor comes first.
 const BALL_SHAPE: usize = 1;
@@ -66,7 +72,12 @@ fn scene_text(source: &Source, directory: &str) -> String {
     let end = text[start..]
         .find(END)
         .map_or(start, |at| start + at + END.len());
-    text.replace_range(start..end, &source.definitions);
+    let folder = format!(
+        "<default name=\"{FOLDER}\" value=\"{}\"/>\n{}",
+        escaped(directory),
+        source.definitions
+    );
+    text.replace_range(start..end, &folder);
     text
 }
 
@@ -79,6 +90,9 @@ impl Preview {
         let directory = tempfile::tempdir()?;
         fs::write(directory.path().join("ball.obj"), BALL)?;
         fs::write(directory.path().join("foot.obj"), FOOT)?;
+        if source.bsdf.contains(NICKEL) {
+            fs::write(directory.path().join("nickel.binary"), nickel())?;
+        }
         let text = scene_text(source, &directory.path().to_string_lossy());
         let parsed = parse_scene_from_str(&text, &source.file, &[], false)?;
         let options = BuildOptions {

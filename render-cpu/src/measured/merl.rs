@@ -8,8 +8,10 @@
 //! Other numbers of cells are accepted up to [`MAX_CELLS`]; the length of the file must be exactly what they say, and every
 //! value a plausible one. Nothing is reserved before the length is known to be right.
 
+use glam::Vec3;
 use halflight_kernel::bsdf::merl::HEADER;
 use halflight_kernel::bsdf::merl_table::{fill_header, fill_sampling, table_words};
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Scales of the channels.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
@@ -116,6 +118,35 @@ impl Merl {
             values,
             invalid: invalid.iter().filter(|&&i| i).count(),
         })
+    }
+
+    /// The file of `reflectance`, a function of theta_h, theta_d and phi_d, at the centres of the database's cells; what
+    /// it has no value for is marked as invalid.
+    pub fn file_of(reflectance: impl Fn(Vec3) -> Option<Vec3>) -> Vec<u8> {
+        let [n_h, n_d, n_p] = DATABASE_CELLS;
+        let count = n_h * n_d * n_p;
+        let mut bytes: Vec<u8> = DATABASE_CELLS
+            .iter()
+            .flat_map(|&n| (n as i32).to_le_bytes())
+            .collect();
+        bytes.resize(12 + 24 * count, 0);
+        let centre = |i: usize, n: usize| (i as f32 + 0.5) / n as f32;
+        for i in 0..count {
+            let (h, d, p) = (i / (n_p * n_d), i / n_p % n_d, i % n_p);
+            let root = centre(h, n_h);
+            let angles = Vec3::new(
+                root * root * FRAC_PI_2,
+                centre(d, n_d) * FRAC_PI_2,
+                centre(p, n_p) * PI,
+            );
+            let value = reflectance(angles);
+            for channel in 0..3 {
+                let raw = value.map_or(-1.0, |v| f64::from(v[channel]) / SCALES[channel]);
+                let at = 12 + 8 * (count * channel + i);
+                bytes[at..at + 8].copy_from_slice(&raw.to_le_bytes());
+            }
+        }
+        bytes
     }
 
     /// The table that the kernel reads: values, distributions for sampling, albedos.

@@ -1,3 +1,4 @@
-//! Readers of measured scattering functions.
+//! Measured scattering functions: readers, and a synthetic measurement to show them with.
 
 pub mod merl;
+pub mod synthetic;

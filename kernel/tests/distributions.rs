@@ -116,7 +116,7 @@ fn normals_follow_their_densities() {
         for alpha in alphas {
             let facets = Microfacets::new(kind, alpha, exponent);
             let test = ChiSquare {
-                samples: 40_000,
+                samples: 70_000,
                 pole: Vec3::Z,
                 family,
                 seed: 11,

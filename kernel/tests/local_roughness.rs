@@ -3,6 +3,7 @@
 mod common;
 
 use common::lobes::{conductor, white};
+use common::measured::table_of;
 use common::{Random, direction_at};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::local_roughness::{DIFFUSE_ROUGHNESS, falloff_by_differences};
@@ -213,4 +214,36 @@ fn a_flat_value_has_no_falloff_to_speak_of() {
     assert_eq!(falloff_by_differences(rising, wi, wo), 0.0);
     let flat = (1.0 / falloff_by_differences(|_, _| 1.0, wi, wo)).sqrt();
     assert!(flat > 0.5, "{flat}");
+}
+
+/// The paper's figure 2: measured nickel is narrow at its tip and wide in its tail, and a local Gaussian follows it.
+#[test]
+fn measured_data_has_the_roughness_of_its_lobe() {
+    let alpha = 0.15_f32;
+    let models: [(&dyn Fn(f32) -> f32, &dyn Fn(f32) -> f32); 2] = [
+        (&|t2: f32| (-t2 / (alpha * alpha)).exp(), &|_| alpha),
+        (&|t2: f32| (1.0 + t2 / (alpha * alpha)).powi(-2), &|t2| {
+            (0.5 * (alpha * alpha + t2)).sqrt()
+        }),
+    ];
+    for (slopes, closed) in models {
+        let data = table_of(|angles| {
+            let t2 = angles.x.tan().powi(2);
+            Vec3::splat(slopes(t2) / angles.x.cos().powi(4))
+        });
+        let mut l = white(lobe_kind::MERL);
+        l.table = 0;
+        let wi = direction_at(15.0, 0.0);
+        let mut lobes = [Lobe::NONE; MAX_LOBES];
+        lobes[0] = l;
+        let bsdf = Bsdf::from_lobes(lobes, 1, &data, wi);
+        for degrees in [2.0_f32, 5.0, 8.0, 12.0, 16.0, 20.0] {
+            let m = direction_at(degrees, 90.0);
+            let wo = m * (2.0 * wi.dot(m)) - wi;
+            let got = local_beckmann_roughness(&bsdf, &data, wi, wo);
+            let want = closed(degrees.to_radians().tan().powi(2));
+            // Forty cells over the half angle, linear between.
+            assert!((got / want - 1.0).abs() < 0.15, "{degrees}: {got} {want}");
+        }
+    }
 }

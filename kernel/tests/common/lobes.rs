@@ -11,6 +11,7 @@ use halflight_kernel::math::Frame;
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
 
 /// A lobe under test with the table that it reads.
+#[derive(Clone)]
 pub struct Case {
     /// For messages.
     pub name: String,

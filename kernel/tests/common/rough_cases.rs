@@ -7,6 +7,7 @@ use halflight_kernel::bsdf::Lobe;
 use halflight_kernel::bsdf::diffracting_conductor::fill_table;
 use halflight_kernel::bsdf::diffraction_table::{FineScale, WORDS};
 use halflight_kernel::scene::{distribution, lobe_kind};
+use std::sync::OnceLock;
 
 /// A table for a fine scale of the given height and correlation length in micrometres.
 pub fn diffracting(alpha: f32, exponent: f32, sigma: f32, b: f32, c: f32) -> Case {
@@ -32,6 +33,12 @@ pub fn diffracting(alpha: f32, exponent: f32, sigma: f32, b: f32, c: f32) -> Cas
 
 /// Diffracting conductors: weak, strong, narrow and broad.
 pub fn diffracting_cases() -> Vec<Case> {
+    // Filled once: the tables take a third of a second each, and many tests go through all lobes.
+    static CASES: OnceLock<Vec<Case>> = OnceLock::new();
+    CASES.get_or_init(build_diffracting_cases).clone()
+}
+
+fn build_diffracting_cases() -> Vec<Case> {
     vec![
         diffracting(0.1, 1.0, 0.02, 2.0, 2.0),
         diffracting(0.3, 0.6, 0.06, 1.0, 1.4),

@@ -27,6 +27,8 @@
 //! | p_omega | `pdf` |
 //! | alpha | `alpha` (Beckmann width or GGX width, per axis) |
 //! | D, G1, G2 | `distribution`, `smith_g1`, product of two `smith_g1` |
+//! | beta, p | `alpha`, `exponent` of the exponential power distribution |
+//! | sigma_v | `local_beckmann_roughness` |
 //! | eta, k | `eta`, `k` (real and imaginary index of refraction) |
 //! | x_0 ... x_k | path vertices, light to sensor |
 //! | h, h_perp, h_pp | `half_vector`, `projected`, `slope` |

@@ -14,16 +14,14 @@
 //! per lobe, not yet multiplied by the lobe's weight in the material. Invariant (tests): for every kind, weight * pdf of
 //! a sample equals `eval_cosine` there, and the samples follow `pdf`.
 
-use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::microfacet::{self, Microfacets};
 use super::{
-    BsdfSample, Coat, Lobe, MAX_COATS, coat, coat_reflection, conductor, dielectric,
-    diffracting_conductor, diffuse, event, frame_map, merl, mode, null, plastic, rough_conductor,
-    rough_dielectric, rough_diffuse, rough_plastic, thin_dielectric,
+    BsdfSample, Coat, Lobe, MAX_COATS, coat, event, frame_map, mode, model, null, rough_dielectric,
 };
 use crate::math::{Frame, Rgb, float};
 use crate::scene::{NONE, lobe_flag, lobe_kind};
 use glam::{Vec2, Vec3};
+pub use model::events;
 
 impl Lobe {
     /// A black lobe with neutral parameters.
@@ -94,7 +92,7 @@ pub fn eval_cosine(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     if !o.valid {
         return Vec3::ZERO;
     }
-    model_eval(lobe, data, i.w, o.w) * value_factor(lobe, &i, &o)
+    model::eval(lobe, data, i.w, o.w) * value_factor(lobe, &i, &o)
 }
 
 /// Density of [`sample`] per solid angle; the discrete part is not in it.
@@ -104,7 +102,7 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     if !o.valid {
         return 0.0;
     }
-    model_pdf(lobe, data, i.w, o.w) * o.jacobian
+    model::pdf(lobe, data, i.w, o.w) * o.jacobian
 }
 
 /// [`eval_cosine`] and [`pdf`] together.
@@ -117,8 +115,8 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f
         let flip = is_flipped(lobe, wi);
         let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
         return (
-            model_eval(lobe, data, wi, wo) * float::abs(wo.z),
-            model_pdf(lobe, data, wi, wo),
+            model::eval(lobe, data, wi, wo) * float::abs(wo.z),
+            model::pdf(lobe, data, wi, wo),
         );
     }
     let (i, o) = both_inside(lobe, data, wi, wo);
@@ -126,8 +124,8 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f
         return (Vec3::ZERO, 0.0);
     }
     (
-        model_eval(lobe, data, i.w, o.w) * value_factor(lobe, &i, &o),
-        model_pdf(lobe, data, i.w, o.w) * o.jacobian,
+        model::eval(lobe, data, i.w, o.w) * value_factor(lobe, &i, &o),
+        model::pdf(lobe, data, i.w, o.w) * o.jacobian,
     )
 }
 
@@ -142,7 +140,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     }
     let flip = is_flipped(lobe, wi);
     if is_bare(lobe) {
-        let mut s = model_sample(lobe, data, mirrored(flip, wi), u1, u2);
+        let mut s = model::sample(lobe, data, mirrored(flip, wi), u1, u2);
         s.wo = mirrored(flip, s.wo);
         return s;
     }
@@ -150,7 +148,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if !i.valid {
         return BsdfSample::NONE;
     }
-    let mut s = model_sample(lobe, data, i.w, u1, u2);
+    let mut s = model::sample(lobe, data, i.w, u1, u2);
     if s.pdf <= 0.0 {
         return BsdfSample::NONE;
     }
@@ -208,18 +206,6 @@ fn both_inside(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Way, Way) {
     let mut o = inside(lobe, data, flip, wo);
     o.valid = o.valid && i.valid && is_active(lobe.flags, wi);
     (i, o)
-}
-
-/// Both directions in the frame of the model, below the coats; false where the lobe is zero.
-#[inline]
-pub(super) fn inner_directions(
-    lobe: &Lobe,
-    data: &[f32],
-    wi: Vec3,
-    wo: Vec3,
-) -> (Vec3, Vec3, bool) {
-    let (i, o) = both_inside(lobe, data, wi, wo);
-    (i.w, o.w, o.valid)
 }
 
 /// `w` in the frame of the model.
@@ -345,60 +331,6 @@ fn same_side(a: Vec3, b: Vec3) -> bool {
     a.z * b.z > 0.0
 }
 
-/// The value of the lobe's model in its own frame.
-#[inline]
-pub(super) fn model_eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
-    match lobe.kind {
-        lobe_kind::DIFFUSE => diffuse::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::eval(lobe, wi, wo),
-        lobe_kind::PLASTIC => plastic::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_PLASTIC => rough_plastic::eval(lobe, data, wi, wo),
-        lobe_kind::ROUGH_COAT => coat_reflection::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::eval(lobe, wi, wo),
-        lobe_kind::MERL => merl::eval(lobe, data, wi, wo),
-        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::eval(lobe, data, wi, wo),
-        // Discrete directions have no value.
-        _ => Vec3::ZERO,
-    }
-}
-
-#[inline]
-fn model_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
-    match lobe.kind {
-        lobe_kind::DIFFUSE => diffuse::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::pdf(lobe, wi, wo),
-        lobe_kind::PLASTIC => plastic::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_PLASTIC => rough_plastic::pdf(lobe, data, wi, wo),
-        lobe_kind::ROUGH_COAT => coat_reflection::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::pdf(lobe, wi, wo),
-        lobe_kind::MERL => merl::pdf(lobe, data, wi, wo),
-        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::pdf(lobe, data, wi, wo),
-        _ => 0.0,
-    }
-}
-
-#[inline]
-fn model_sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    match lobe.kind {
-        lobe_kind::DIFFUSE => diffuse::sample(lobe, wi, u1, u2),
-        lobe_kind::CONDUCTOR => conductor::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::sample(lobe, wi, u1, u2),
-        lobe_kind::DIELECTRIC => dielectric::sample(lobe, wi, u1, u2),
-        lobe_kind::THIN_DIELECTRIC => thin_dielectric::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::sample(lobe, wi, u1, u2),
-        lobe_kind::PLASTIC => plastic::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_PLASTIC => rough_plastic::sample(lobe, data, wi, u1, u2),
-        lobe_kind::COAT | lobe_kind::ROUGH_COAT => coat_reflection::sample(lobe, wi, u1, u2),
-        lobe_kind::MERL => merl::sample(lobe, data, wi, u1, u2),
-        lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::sample(lobe, wi, u1, u2),
-        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::sample(lobe, data, wi, u1, u2),
-        _ => BsdfSample::NONE,
-    }
-}
-
 /// What the lobe reflects and transmits, roughly: an upper bound on its colour from its parameters, for choosing a lobe
 /// and for the albedo layer. Exact for diffuse and null lobes.
 #[inline]
@@ -406,7 +338,7 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     if !is_active(lobe.flags, wi) && lobe.kind != lobe_kind::NULL {
         return Vec3::ZERO;
     }
-    model_albedo(lobe, data, wi) * coats_albedo(lobe, data, wi)
+    model::albedo(lobe, data, wi) * coats_albedo(lobe, data, wi)
 }
 
 /// What the coats leave of the colour of the lobe below them.
@@ -426,25 +358,6 @@ fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     coat::round_trip(&lobe.coats, lobe.coat_count, data, w)
 }
 
-/// [`albedo`] below the coats.
-#[inline]
-fn model_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
-    match lobe.kind {
-        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => lobe.reflectance,
-        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
-            lobe.specular_reflectance * fresnel_conductor(wi.z, lobe.eta, lobe.k)
-        }
-        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
-        lobe_kind::NULL => Vec3::ONE,
-        // Cells are coarse: where the albedo of one is nothing, some direction may still reflect.
-        lobe_kind::MERL => {
-            merl::albedo(lobe, data, float::abs(wi.z)).clamp(Vec3::splat(1e-3), Vec3::ONE)
-        }
-        lobe_kind::COAT | lobe_kind::ROUGH_COAT => lobe.specular_reflectance * coat_share(lobe, wi),
-        _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
-    }
-}
-
 /// Relative probability of choosing the lobe: its weight in the material times the largest channel of its colour;
 /// zero exactly where the lobe scatters nothing.
 #[inline]
@@ -452,40 +365,9 @@ pub fn selection_weight(lobe: &Lobe, data: &[f32], wi: Vec3) -> f32 {
     if !is_active(lobe.flags, wi) && lobe.kind != lobe_kind::NULL {
         return 0.0;
     }
-    let mut colour = model_albedo(lobe, data, wi);
+    let mut colour = model::albedo(lobe, data, wi);
     if lobe.kind == lobe_kind::PLASTIC || lobe.kind == lobe_kind::ROUGH_PLASTIC {
         colour = colour.max(lobe.specular_reflectance);
     }
     lobe.weight * (colour * coats_albedo(lobe, data, wi)).max_element()
-}
-
-/// Reflectance of a coat's surface seen along `wi`.
-#[inline]
-fn coat_share(lobe: &Lobe, wi: Vec3) -> f32 {
-    let cos = if lobe.has_frame {
-        lobe.frame.n.dot(wi)
-    } else {
-        wi.z
-    };
-    fresnel_dielectric(float::abs(cos), lobe.eta.x).0
-}
-
-/// Events that a lobe of the kind can produce: bits of [`event`].
-#[inline]
-pub fn events(kind: u32) -> u32 {
-    match kind {
-        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => event::REFLECTION | event::DIFFUSE,
-        lobe_kind::MERL => event::REFLECTION | event::GLOSSY,
-        lobe_kind::CONDUCTOR | lobe_kind::COAT => event::REFLECTION | event::DELTA,
-        lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT | lobe_kind::DIFFRACTING_CONDUCTOR => {
-            event::REFLECTION | event::GLOSSY
-        }
-        lobe_kind::DIELECTRIC | lobe_kind::THIN_DIELECTRIC => {
-            event::REFLECTION | event::TRANSMISSION | event::DELTA
-        }
-        lobe_kind::ROUGH_DIELECTRIC => event::REFLECTION | event::TRANSMISSION | event::GLOSSY,
-        lobe_kind::PLASTIC => event::REFLECTION | event::DELTA | event::DIFFUSE,
-        lobe_kind::ROUGH_PLASTIC => event::REFLECTION | event::GLOSSY | event::DIFFUSE,
-        _ => event::TRANSMISSION | event::DELTA | event::NULL,
-    }
 }

@@ -16,8 +16,8 @@
 //! GGX, closed forms for Phong and the exponential power distribution, refraction by coats, and that differences agree with
 //! the derivatives.
 
-use super::lobe::{eval_cosine, inner_directions, model_eval};
-use super::{Bsdf, Lobe, coat_reflection, microfacet};
+use super::lobe::{eval_cosine, inner_pair};
+use super::{Bsdf, Lobe, coat_reflection, microfacet, model};
 use crate::math::float::{abs, atan2, ln, safe_sqrt, sin_cos, sqr, sqrt};
 use crate::math::luminance;
 use crate::scene::{lobe_flag, lobe_kind};
@@ -47,8 +47,9 @@ pub fn local_beckmann_roughness(bsdf: &Bsdf, data: &[f32], wi: Vec3, wo: Vec3) -
 
 /// `1 / sigma^2` of one lobe at a pair where it is not zero.
 pub fn lobe_falloff(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
-    let (i, o, valid) = inner_directions(lobe, data, wi, wo);
-    if !valid {
+    let pair = inner_pair(lobe, data, wi, wo);
+    let (i, o) = (pair.wi, pair.wo);
+    if !pair.valid {
         return 0.0;
     }
     let own = match lobe.kind {
@@ -60,13 +61,13 @@ pub fn lobe_falloff(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         }
         lobe_kind::ROUGH_PLASTIC => {
             // The base is flat: only the coating's share of the value falls off.
-            let whole = luminance(model_eval(lobe, data, i, o));
+            let whole = luminance(model::eval(lobe, data, i, o));
             let share = luminance(coat_reflection::eval(lobe, i, o)) / whole.max(f32::MIN_POSITIVE);
             normal_falloff(lobe, i + o) * share.min(1.0)
         }
         lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE | lobe_kind::PLASTIC => 0.0,
         // Measured and tabulated models.
-        _ => falloff_by_differences(|i, o| luminance(model_eval(lobe, data, i, o)), i, o),
+        _ => falloff_by_differences(|i, o| luminance(model::eval(lobe, data, i, o)), i, o),
     };
     own * sqr(slope_through_coats(lobe, wi, wo, i, o))
 }

@@ -21,6 +21,7 @@ pub mod merl;
 pub mod merl_table;
 pub mod microfacet;
 pub mod mixture;
+pub mod model;
 pub mod null;
 pub mod plastic;
 pub mod rough_conductor;

@@ -1,0 +1,120 @@
+//! The choice of the scattering model by a lobe's kind.
+//!
+//! Directions are in the frame of the model, below the lobe's coats; [`super::lobe`] brings them there. Every kind has its
+//! file beside this one; a discrete model has neither value nor density.
+
+use super::fresnel::{fresnel_conductor, fresnel_dielectric};
+use super::{
+    BsdfSample, Lobe, coat_reflection, conductor, dielectric, diffracting_conductor, diffuse,
+    event, merl, null, plastic, rough_conductor, rough_dielectric, rough_diffuse, rough_plastic,
+    thin_dielectric,
+};
+use crate::math::{Rgb, float};
+use crate::scene::lobe_kind;
+use glam::{Vec2, Vec3};
+
+/// The BSDF without a cosine.
+#[inline]
+pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+    match lobe.kind {
+        lobe_kind::DIFFUSE => diffuse::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::eval(lobe, wi, wo),
+        lobe_kind::PLASTIC => plastic::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_PLASTIC => rough_plastic::eval(lobe, data, wi, wo),
+        lobe_kind::ROUGH_COAT => coat_reflection::eval(lobe, wi, wo),
+        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::eval(lobe, wi, wo),
+        lobe_kind::MERL => merl::eval(lobe, data, wi, wo),
+        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::eval(lobe, data, wi, wo),
+        // Discrete directions have no value.
+        _ => Vec3::ZERO,
+    }
+}
+
+/// Density of [`sample`] per solid angle.
+#[inline]
+pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+    match lobe.kind {
+        lobe_kind::DIFFUSE => diffuse::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::pdf(lobe, wi, wo),
+        lobe_kind::PLASTIC => plastic::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_PLASTIC => rough_plastic::pdf(lobe, data, wi, wo),
+        lobe_kind::ROUGH_COAT => coat_reflection::pdf(lobe, wi, wo),
+        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::pdf(lobe, wi, wo),
+        lobe_kind::MERL => merl::pdf(lobe, data, wi, wo),
+        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::pdf(lobe, data, wi, wo),
+        _ => 0.0,
+    }
+}
+
+/// A direction in the model's frame with weight f |cos| / pdf.
+#[inline]
+pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
+    match lobe.kind {
+        lobe_kind::DIFFUSE => diffuse::sample(lobe, wi, u1, u2),
+        lobe_kind::CONDUCTOR => conductor::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::sample(lobe, wi, u1, u2),
+        lobe_kind::DIELECTRIC => dielectric::sample(lobe, wi, u1, u2),
+        lobe_kind::THIN_DIELECTRIC => thin_dielectric::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::sample(lobe, wi, u1, u2),
+        lobe_kind::PLASTIC => plastic::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_PLASTIC => rough_plastic::sample(lobe, data, wi, u1, u2),
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT => coat_reflection::sample(lobe, wi, u1, u2),
+        lobe_kind::MERL => merl::sample(lobe, data, wi, u1, u2),
+        lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
+        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::sample(lobe, wi, u1, u2),
+        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::sample(lobe, data, wi, u1, u2),
+        _ => BsdfSample::NONE,
+    }
+}
+
+/// What the model reflects and transmits, roughly; see [`super::lobe::albedo`].
+#[inline]
+pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
+    match lobe.kind {
+        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => lobe.reflectance,
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
+            lobe.specular_reflectance * fresnel_conductor(wi.z, lobe.eta, lobe.k)
+        }
+        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
+        lobe_kind::NULL => Vec3::ONE,
+        // Cells are coarse: where the albedo of one is nothing, some direction may still reflect.
+        lobe_kind::MERL => {
+            merl::albedo(lobe, data, float::abs(wi.z)).clamp(Vec3::splat(1e-3), Vec3::ONE)
+        }
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT => lobe.specular_reflectance * coat_share(lobe, wi),
+        _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
+    }
+}
+
+/// Reflectance of a coat's surface seen along `wi`.
+#[inline]
+fn coat_share(lobe: &Lobe, wi: Vec3) -> f32 {
+    let cos = if lobe.has_frame {
+        lobe.frame.n.dot(wi)
+    } else {
+        wi.z
+    };
+    fresnel_dielectric(float::abs(cos), lobe.eta.x).0
+}
+
+/// Events that a lobe of the kind can produce: bits of [`event`].
+#[inline]
+pub fn events(kind: u32) -> u32 {
+    match kind {
+        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => event::REFLECTION | event::DIFFUSE,
+        lobe_kind::MERL => event::REFLECTION | event::GLOSSY,
+        lobe_kind::CONDUCTOR | lobe_kind::COAT => event::REFLECTION | event::DELTA,
+        lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT | lobe_kind::DIFFRACTING_CONDUCTOR => {
+            event::REFLECTION | event::GLOSSY
+        }
+        lobe_kind::DIELECTRIC | lobe_kind::THIN_DIELECTRIC => {
+            event::REFLECTION | event::TRANSMISSION | event::DELTA
+        }
+        lobe_kind::ROUGH_DIELECTRIC => event::REFLECTION | event::TRANSMISSION | event::GLOSSY,
+        lobe_kind::PLASTIC => event::REFLECTION | event::DELTA | event::DIFFUSE,
+        lobe_kind::ROUGH_PLASTIC => event::REFLECTION | event::GLOSSY | event::DIFFUSE,
+        _ => event::TRANSMISSION | event::DELTA | event::NULL,
+    }
+}

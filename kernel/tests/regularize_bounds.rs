@@ -263,7 +263,7 @@ fn largest_refraction(kind: u32, alpha: f64, eta: f64) -> f64 {
 }
 
 /// Equation 9 holds over the full BSDF, but is loose by the bound of masking; the tight bound holds as well and is
-/// attained (GGX), or within a factor 2.5.
+/// attained (GGX), or within a factor 3.
 #[test]
 fn refraction_stays_below_its_bounds() {
     for kind in [GGX, BECKMANN, COSINE] {
@@ -276,7 +276,7 @@ fn refraction_stays_below_its_bounds() {
                 let name = format!("distribution {kind}, alpha {a}, eta {eta}: {largest}");
                 assert!(largest < loose * (1.0 + 1e-5), "{name} above {loose}");
                 assert!(largest < tight * (1.0 + 1e-5), "{name} above {tight}");
-                let share = if kind == GGX { 0.98 } else { 0.4 };
+                let share = if kind == GGX { 0.98 } else { 0.3 };
                 // From the denser side the search rarely meets the critical angle.
                 assert!(
                     eta < 1.0 || largest > share * tight,

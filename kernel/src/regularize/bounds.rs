@@ -185,7 +185,12 @@ pub fn tight_refraction_bound(distribution: u32, alpha: f32, eta: f32) -> f32 {
     } else {
         k * (inverse + grazing_share(distribution))
     };
-    bound.min(TAU_MAX)
+    bound.min(refraction_bound(
+        SMITH,
+        distribution,
+        Vec2::splat(alpha),
+        eta,
+    ))
 }
 
 /// alpha_hat(tau) of an isotropic refracting BSDF by [`tight_refraction_bound`], at most [`ALPHA_MAX`]: where grazing
@@ -201,11 +206,13 @@ pub fn tight_refraction_alpha(distribution: u32, tau: f32, eta: f32) -> f32 {
     } else {
         x - grazing_share(distribution)
     };
-    if inverse > 1.0 {
+    let alpha = if inverse > 1.0 {
         1.0 / sqrt(inverse)
     } else {
         ALPHA_MAX
-    }
+    };
+    // For the roughest lobes equation 9 may be the tighter.
+    alpha.min(refraction_alpha(SMITH, distribution, tau, eta))
 }
 
 /// Both axes raised to `alpha_hat`, each on its own: a rougher axis keeps its look.

@@ -119,6 +119,11 @@ pub fn regularized_lobe(lobe: &Lobe, transmission: bool, tau: f32) -> Lobe {
     };
     if rough == NONE {
         r.alpha = bounds::raise(lobe.alpha, alpha);
+        if r.alpha.x == r.alpha.y && lobe.alpha.x != lobe.alpha.y {
+            // Normals of an anisotropic Phong lobe are sampled in another way than those of an isotropic one, and p_hat
+            // belongs to the sampler of the lobe: it stays anisotropic by a few rounding errors.
+            r.alpha.y *= 1.000_001;
+        }
         return r;
     }
     r.kind = rough;

@@ -18,7 +18,7 @@ use super::half_vector::projected_of_slope;
 use super::vertex::ChainVertex;
 use crate::math::block_tridiagonal::{determinant2, invert};
 use crate::math::disk_lobe::{DiskLobe, exponent_of_deviation};
-use crate::math::float::{atan2, safe_sqrt, sin_cos, sqrt};
+use crate::math::float::{abs, atan2, safe_sqrt, sin_cos, sqrt};
 use crate::math::slope_gaussian::SlopeGaussian;
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI};
 use glam::{Mat2, Vec2, Vec3};
@@ -85,7 +85,7 @@ pub fn ellipse_of(m: Mat2) -> StepEllipse {
     StepEllipse {
         axis: Vec2::new(cos, sin),
         // The smaller from the determinant: the difference of trace and root would cancel.
-        length: Vec2::new(largest, (determinant2(m).abs() / largest).min(largest)) * scale,
+        length: Vec2::new(largest, (abs(determinant2(m)) / largest).min(largest)) * scale,
     }
 }
 
@@ -108,7 +108,7 @@ pub fn tangent_plane_offset(x: &ChainVertex, origin: Vec3, direction: Vec3) -> V
     let t = (x.position - origin).dot(x.geometric_normal) / cosine;
     let d = origin + direction * t - x.position;
     let offset = Vec2::new(x.tangent_u.dot(d), x.tangent_v.dot(d));
-    if cosine.abs() > 1e-6 && offset.length_squared() < f32::MAX {
+    if abs(cosine) > 1e-6 && offset.length_squared() < f32::MAX {
         offset
     } else {
         Vec2::ZERO

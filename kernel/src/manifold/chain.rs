@@ -78,6 +78,12 @@ impl<const N: usize> ChainJacobian<N> {
         self.valid && !self.lu.is_singular()
     }
 
+    /// Estimate of the condition of J ([`BlockLu::condition`]).
+    #[inline]
+    pub fn condition(&self) -> f32 {
+        self.lu.condition(&self.a, &self.b, &self.c)
+    }
+
     /// J dX.
     #[inline]
     pub fn apply(&self, dx: &[Vec2; N]) -> [Vec2; N] {
@@ -128,18 +134,18 @@ fn constraint_at<const N: usize>(
     i: usize,
     form: u32,
 ) -> Constraint {
-    let last = len - 1;
-    if i >= N || last >= N {
+    let last = len.wrapping_sub(1);
+    if i >= N || last >= N || last == 0 {
         return Constraint::INVALID;
     }
     let x = vertices[i];
-    if i == 0 || i == last {
-        let neighbour = if i == 0 {
-            vertices[1.min(N - 1)]
-        } else {
-            vertices[last - 1]
-        };
-        return end_constraint(&x, &neighbour, i == last);
+    if i == 0 || i >= last {
+        let at = if i == 0 { 1.min(N - 1) } else { last - 1 };
+        let neighbour = vertices[at];
+        return end_constraint(&x, &neighbour, i >= last);
+    }
+    if i + 1 >= N {
+        return Constraint::INVALID;
     }
     // Points in space have no tangents of their own; only endpoints are such.
     let previous = vertices[i - 1].facing(x.position);

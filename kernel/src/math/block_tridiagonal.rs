@@ -11,13 +11,13 @@
 //! J^-1 costs time linear in its length: solutions, the determinant, a block row of the inverse (D_i of equation 8.1) and the
 //! transfer matrices T_i, which say how x_i moves with a vertex behind the last row.
 //!
-//! There is no pivoting across blocks: inside a block the inverse is exact to rounding whatever its scale. A pivot L_i that
+//! There is no pivoting across blocks: inside a block the inverse is Cramer's, whatever its scale. A pivot L_i that
 //! cannot be told from a singular one ([`SINGULAR`]), or a number that is not finite, makes the factorisation `singular`:
 //! its determinant is zero and every solution is refused. Growth without pivoting is bounded by the pivots' conditions, and
 //! [`BlockLu::condition`] estimates that of the whole. Checked: backward error against f64, determinant, inverse rows and
 //! transfer matrices against a dense solve, singular inputs.
 
-use super::float::{abs, is_finite};
+use super::float::abs;
 use super::scaled::{Scaled, is_finite2};
 use glam::{Mat2, Vec2};
 
@@ -25,19 +25,17 @@ use glam::{Mat2, Vec2};
 /// smaller singular value is below this times the block of J it came from: 2^-23, where all is rounding error.
 pub const SINGULAR: f32 = 1.2e-7;
 
-/// The range of a block's largest element in which inverses neither overflow nor vanish.
+/// The range of a block's largest element: its square times [`SINGULAR`] is still a normal number.
 const LARGEST: f32 = 1e15;
 const SMALLEST: f32 = 1e-15;
 
-/// The inverse of a block with its determinant in scaled form.
+/// The inverse of a block.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockInverse {
     /// The inverse; zero for a singular block.
     pub inverse: Mat2,
-    /// Determinant after division by `scale` squared; zero for a singular block.
+    /// Determinant of the block; zero for a singular one.
     pub determinant: f32,
-    /// The largest element's magnitude.
-    pub scale: f32,
 }
 
 #[inline]
@@ -50,30 +48,32 @@ fn largest_element(m: Mat2) -> f32 {
 /// Inverse of a 2x2 block, with the guards of this module.
 #[inline]
 pub fn invert(m: Mat2) -> BlockInverse {
+    invert_against(m, 0.0)
+}
+
+/// Inverse of a block that is what is left of one with elements up to `before`.
+#[inline]
+fn invert_against(m: Mat2, before: f32) -> BlockInverse {
     let scale = largest_element(m);
-    // A NaN may be lost in a maximum, but not in the determinant.
-    if !(scale > SMALLEST && scale < LARGEST) {
+    let determinant = determinant2(m);
+    // The larger singular value is about `scale`, the smaller one the determinant over that. A NaN may be lost in a maximum,
+    // but not in the determinant.
+    let is_regular = scale > SMALLEST
+        && scale < LARGEST
+        && abs(determinant) > SINGULAR * scale * scale.max(before);
+    if !is_regular {
         return BlockInverse {
             inverse: Mat2::ZERO,
             determinant: 0.0,
-            scale: 0.0,
         };
     }
-    let r = 1.0 / scale;
-    let (a, b) = (m.x_axis * r, m.y_axis * r);
-    let determinant = a.x * b.y - a.y * b.x;
-    if !(abs(determinant) > SINGULAR) {
-        return BlockInverse {
-            inverse: Mat2::ZERO,
-            determinant: 0.0,
-            scale: 0.0,
-        };
-    }
-    let q = r / determinant;
+    let q = 1.0 / determinant;
     BlockInverse {
-        inverse: Mat2::from_cols(Vec2::new(b.y, -a.y) * q, Vec2::new(-b.x, a.x) * q),
+        inverse: Mat2::from_cols(
+            Vec2::new(m.y_axis.y, -m.x_axis.y) * q,
+            Vec2::new(-m.y_axis.x, m.x_axis.x) * q,
+        ),
         determinant,
-        scale,
     }
 }
 
@@ -86,12 +86,10 @@ pub struct BlockLu<const N: usize> {
     pivot_inverse: [Mat2; N],
     /// U_i; that of the last row belongs to the vertex behind it.
     upper: [Mat2; N],
-    /// det L_i over the square of the scale, and the scale.
-    pivot: [Vec2; N],
+    /// det L_i.
+    pivot: [f32; N],
     len: usize,
     singular: bool,
-    /// Largest absolute column sum of J.
-    norm: f32,
 }
 
 impl<const N: usize> BlockLu<N> {
@@ -100,10 +98,9 @@ impl<const N: usize> BlockLu<N> {
         lower: [Mat2::ZERO; N],
         pivot_inverse: [Mat2::ZERO; N],
         upper: [Mat2::ZERO; N],
-        pivot: [Vec2::ZERO; N],
+        pivot: [0.0; N],
         len: 0,
         singular: true,
-        norm: 0.0,
     };
 
     /// Factors the first `len` block rows. `a[0]` is not looked at; `c[len - 1]` only serves [`BlockLu::transfer`]. More
@@ -122,28 +119,19 @@ impl<const N: usize> BlockLu<N> {
         let mut previous = Mat2::ZERO;
         for i in 0..len {
             let lower = if i == 0 { Mat2::ZERO } else { a[i] };
-            let pivot = invert(b[i] - lower * previous);
-            // The smaller singular value, to within a factor of two, against the rounding of what was subtracted from.
-            let smallest = abs(pivot.determinant) * pivot.scale;
-            if !(smallest > SINGULAR * largest_element(b[i])) {
+            let pivot = invert_against(b[i] - lower * previous, largest_element(b[i]));
+            let upper = pivot.inverse * c[i];
+            // The last C is part of no pivot.
+            let sum = upper.x_axis.abs() + upper.y_axis.abs();
+            if pivot.determinant == 0.0 || !(sum.x + sum.y < f32::MAX) {
                 lu.refuse();
                 return lu;
             }
-            let upper = pivot.inverse * c[i];
             lu.lower[i] = lower;
             lu.pivot_inverse[i] = pivot.inverse;
             lu.upper[i] = upper;
-            lu.pivot[i] = Vec2::new(pivot.determinant, pivot.scale);
+            lu.pivot[i] = pivot.determinant;
             previous = upper;
-        }
-        for i in 0..len {
-            let above = if i > 0 { c[i - 1] } else { Mat2::ZERO };
-            let below = if i + 1 < len { a[i + 1] } else { Mat2::ZERO };
-            let sum = column_sums(above) + column_sums(b[i]) + column_sums(below);
-            lu.norm = lu.norm.max(sum.x.max(sum.y));
-        }
-        if !is_finite(lu.norm) {
-            lu.refuse();
         }
         lu
     }
@@ -168,7 +156,7 @@ impl<const N: usize> BlockLu<N> {
         }
         let mut determinant = Scaled::ONE;
         for i in 0..self.len.min(N) {
-            determinant = times_pivot(determinant, self.pivot[i]);
+            determinant = determinant.times(self.pivot[i]);
         }
         determinant
     }
@@ -310,7 +298,7 @@ impl<const N: usize> BlockLu<N> {
         let (mut above, mut below) = (Scaled::ONE, Scaled::ONE);
         for i in row..vertex.min(N) {
             above = above.times(determinant2(c[i]));
-            below = times_pivot(below, self.pivot[i]);
+            below = below.times(self.pivot[i]);
         }
         above.over(below)
     }
@@ -321,15 +309,15 @@ impl<const N: usize> BlockLu<N> {
         if self.singular || row >= self.len.min(N) {
             return Scaled::ZERO;
         }
-        times_pivot(Scaled::ONE, self.pivot[row])
+        Scaled::ONE.times(self.pivot[row])
     }
 
     /// Estimate of the condition in the 1-norm, `|J| |J^-1|`, from below and rarely off by more than a factor of three
-    /// (Hager 1984, "Condition Estimates"); [`f32::MAX`] when singular.
+    /// (Hager 1984, "Condition Estimates"); `a`, `b`, `c` are what was factored. [`f32::MAX`] when singular.
     #[inline]
-    pub fn condition(&self) -> f32 {
+    pub fn condition(&self, a: &[Mat2], b: &[Mat2], c: &[Mat2]) -> f32 {
         let n = self.len.min(N);
-        if self.singular {
+        if self.singular || n > a.len() || n > b.len() || n > c.len() {
             return f32::MAX;
         }
         if n == 0 {
@@ -377,14 +365,15 @@ impl<const N: usize> BlockLu<N> {
             }
             round += 1;
         }
-        (estimate * self.norm).min(f32::MAX)
+        let mut norm = 0.0;
+        for i in 0..n {
+            let above = if i > 0 { c[i - 1] } else { Mat2::ZERO };
+            let below = if i + 1 < n { a[i + 1] } else { Mat2::ZERO };
+            let sum = column_sums(above) + column_sums(b[i]) + column_sums(below);
+            norm = sum.x.max(sum.y).max(norm);
+        }
+        (estimate * norm).min(f32::MAX)
     }
-}
-
-/// Product with the determinant of a pivot.
-#[inline]
-fn times_pivot(x: Scaled, pivot: Vec2) -> Scaled {
-    x.times(pivot.x).times(pivot.y).times(pivot.y)
 }
 
 /// Determinant of a 2x2 matrix.

@@ -5,8 +5,8 @@
 //!   the proof of lemma 1 prints n^(1/d), and the test of the mollified estimator settles it). The error falls
 //!   fastest, as `n^(-4/(d+4))`, at `lambda = 1/(d+4)`: the balance of variance `r^-d / n` with squared bias `r^4`.
 //!   That is 1/6 for one specular vertex, as the thesis has it; for two (d = 4) it is 1/8, not the thesis's 1/12,
-//!   which is consistent but slower.
-//!   The mean of r_n^2 cannot fall faster than 1/n, which the first samples leave: beyond lambda = 1/2 the bias gains nothing.
+//!   which is consistent but slower. The mean of r_n^2 cannot fall faster than 1/n, which the first samples leave:
+//!   beyond lambda = 1/2 the bias gains nothing.
 //! - Markov chains: `r_n = r_0 gamma^n`, not faster than the chain mixes (equation 6.7); gamma = 1 - 1e-4 in the
 //!   thesis.
 //! - Microfacet models: tau_N, the maximum that a regularised BSDF may have in iteration N, the value of the constant

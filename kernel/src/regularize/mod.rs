@@ -6,7 +6,7 @@
 //!
 //! | file | what for |
 //! |---|---|
-//! | [`mollifier`] | kernels of unit mass in 1 to 3 dimensions, sampled and evaluated, with the moments that give bias and variance |
+//! | [`mollifier`] | kernels of unit mass in 1 to 3 dimensions, with the moments that give bias and variance |
 //! | [`cone`] | the same on directions: constant and smooth cones around a specular direction |
 //! | [`bandwidth`] | how width shrinks: `r_0 n^-lambda`, `r_0 gamma^n`, `tau_N` |
 //! | [`bounds`] | how large a microfacet BSDF can be for its roughness, and the roughness for a largest value |
@@ -43,7 +43,8 @@
 //! - Thesis, 5.18: the constant 1.9635 is not reproduced by Silverman's rule, and sigma is not a length;
 //!   `regularize_photons`.
 //! - Jendersie and Grosch, equation 7: the denominator is (n_i i.h + n_t o.h)^2; equations 8 and 9 fail for Beckmann
-//!   above alpha = 1/sqrt(2), for height-correlated masking and for V-cavities; `regularize_bounds`.
+//!   above alpha = 1/sqrt(2), for height-correlated masking and for V-cavities, and 9 is loose by its masking factor;
+//!   `regularize_bounds`.
 //! - Jendersie and Grosch, equation 20: the footprint grows by the deviation after scattering; `regularize_heuristic`.
 
 pub mod bandwidth;

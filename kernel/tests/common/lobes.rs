@@ -122,6 +122,22 @@ pub fn smooth_cases() -> Vec<Case> {
     cases
 }
 
+/// Rough lobes with the distributions that the paper bounds, not so narrow that quadrature has trouble.
+pub fn rough_cases() -> Vec<Case> {
+    let mut cases: Vec<Case> = smooth_cases();
+    cases.retain(|c| {
+        let lobe = &c.lobe;
+        let kind = lobe.kind == lobe_kind::ROUGH_CONDUCTOR
+            || lobe.kind == lobe_kind::ROUGH_DIELECTRIC
+            || lobe.kind == lobe_kind::ROUGH_PLASTIC;
+        let bounded =
+            lobe.distribution == distribution::BECKMANN || lobe.distribution == distribution::GGX;
+        kind && bounded && lobe.alpha.min_element() >= 0.05 && lobe.coat_count == 0
+    });
+    assert!(cases.len() >= 10, "{}", cases.len());
+    cases
+}
+
 /// Lobes of discrete directions.
 pub fn delta_cases() -> Vec<Case> {
     vec![

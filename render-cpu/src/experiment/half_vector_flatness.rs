@@ -262,7 +262,8 @@ fn gaussian(random: &mut Random) -> DVec2 {
 pub fn run(quick: bool) -> Report {
     let (grid, pairs) = if quick { (9, 150) } else { (25, 3000) };
     let mut text = String::from(
-        "two rough mirrors between a point light and a pinhole, Beckmann; distance of f(X) from the second mirror's BSDF, and interaction\n  alpha  curvature   distance: half vectors   vertex area    interaction: half vectors   vertex area\n",
+        "two rough mirrors between a point light and a pinhole, Beckmann; distance of f(X) from the second \
+         mirror's BSDF, and interaction\n  alpha  curvature   distance: half vectors   vertex area    interaction: half vectors   vertex area\n",
     );
     let mut figures = vec![];
     let mut slices = vec![];
@@ -372,7 +373,8 @@ pub fn run(quick: bool) -> Report {
         }
     }
     text.push_str(
-        "Moving one half vector changes the contribution as the local BSDF does; moving a vertex changes its neighbour's BSDF as well (thesis section 7.2.2).\n",
+        "Moving one half vector changes the contribution as the local BSDF does; moving a vertex \
+         changes its neighbour's BSDF as well (thesis section 7.2.2).\n",
     );
     Report {
         text,

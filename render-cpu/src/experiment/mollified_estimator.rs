@@ -171,7 +171,8 @@ pub fn run(quick: bool) -> Report {
         });
     }
     text.push_str(
-        "Bias falls as N^(-2 lambda), but never faster than 1/N, which the first samples leave; variance as N^(d lambda - 1): at lambda >= 1/d the variance stays or grows (thesis equation 6.5).\n",
+        "Bias falls as N^(-2 lambda), but never faster than 1/N, which the first samples leave; variance \
+         as N^(d lambda - 1): at lambda >= 1/d the variance stays or grows (thesis equation 6.5).\n",
     );
     Report {
         text,

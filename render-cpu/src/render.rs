@@ -10,7 +10,7 @@ use crate::adaptive;
 use crate::aov::{AovSample, AovSet};
 use crate::film::{Film, FilmError, FilmTile};
 use crate::scene::build::Scene;
-use halflight_kernel::sampler::AnySampler;
+use halflight_kernel::sampler::{IndependentSampler, Sampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::{self, IntegratorSettings, aov};
@@ -253,6 +253,23 @@ struct Job<'a, T: Traverse> {
 impl<T: Traverse> Job<'_, T> {
     /// Adds the next `count` samples of a pixel.
     fn sample_pixel(&self, tile: &mut FilmTile<'_>, x: u32, y: u32, count: u32) {
+        // Compiled once per sampler: a choice at every number costs some percent.
+        if self.sampler_kind == sampler_kind::SOBOL {
+            self.sample_pixel_with(tile, x, y, count, SobolSampler::new);
+        } else {
+            self.sample_pixel_with(tile, x, y, count, IndependentSampler::new);
+        }
+    }
+
+    /// [`Self::sample_pixel`] with a sampler of (seed, pixel, sample).
+    fn sample_pixel_with<S: Sampler>(
+        &self,
+        tile: &mut FilmTile<'_>,
+        x: u32,
+        y: u32,
+        count: u32,
+        new: impl Fn(u32, u32, u32) -> S,
+    ) {
         let camera = &self.view.tables.camera;
         let absolute = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
         let index = absolute[1]
@@ -264,7 +281,7 @@ impl<T: Traverse> Job<'_, T> {
                 .options
                 .first_sample
                 .wrapping_add(pixel.statistics.count);
-            let sampler = || AnySampler::new(self.sampler_kind, self.options.seed, index, sample);
+            let sampler = || new(self.options.seed, index, sample);
             let radiance =
                 transport::sample_pixel(self.view, self.settings, &mut sampler(), absolute);
             pixel.add_sample(radiance);

@@ -67,9 +67,7 @@ impl<'a> CpuTraverse<'a> {
             accel,
             tables,
             #[cfg(target_arch = "x86_64")]
-            has_avx2: std::env::var("NOAVX").is_err()
-                && is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("fma"),
+            has_avx2: is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
         }
     }
 

@@ -253,7 +253,7 @@ struct Job<'a, T: Traverse> {
 impl<T: Traverse> Job<'_, T> {
     /// Adds the next `count` samples of a pixel.
     fn sample_pixel(&self, tile: &mut FilmTile<'_>, x: u32, y: u32, count: u32) {
-        // Compiled once per sampler: a choice at every number costs some percent.
+        // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
         if self.sampler_kind == sampler_kind::SOBOL {
             self.sample_pixel_with(tile, x, y, count, SobolSampler::new);
         } else {

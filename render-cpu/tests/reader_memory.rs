@@ -1,6 +1,7 @@
 //! No reader reserves memory that the file cannot fill: peak allocation on small hostile files, by a counting allocator.
 
 use halflight::image_io::{read_bitmap, read_exr_bytes};
+use halflight::measured::merl::Merl;
 use halflight::mesh::{obj, ply, serialized};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
@@ -126,6 +127,13 @@ fn exr(width: i32, height: i32, tile: Option<u32>) -> Vec<u8> {
 #[test]
 fn hostile_files_reserve_little() {
     const LIMIT: usize = 4 << 20;
+    // The largest numbers of cells that are taken, and larger ones, without the values.
+    for cells in [[180, 180, 360], [i32::MAX; 3]] {
+        let mut file: Vec<u8> = cells.iter().flat_map(|n: &i32| n.to_le_bytes()).collect();
+        file.resize(4096, 0);
+        let peak = peak_of(|| assert!(Merl::read(&file).is_err()));
+        assert!(peak < LIMIT, "{cells:?}: {peak} bytes");
+    }
     let path = Path::new("hostile.tga");
     let xyz = "property float x\nproperty float y\nproperty float z\n";
     let list = "element face 1\nproperty list uint int vertex_indices\n";

@@ -4,7 +4,7 @@
 
 use super::preview::AnyError;
 use plotters::coord::Shift;
-use plotters::prelude::{BitMapBackend, DrawingArea, IntoDrawingArea, IntoFont, WHITE};
+use plotters::prelude::{BitMapBackend, DrawingArea, IntoDrawingArea, IntoFont};
 use plotters::style::{FontStyle, TextStyle, register_font};
 use std::sync::OnceLock;
 
@@ -75,16 +75,7 @@ impl Canvas {
     }
 }
 
-/// Fills an area with white and returns a text style of a size.
+/// A text style of a size.
 pub fn text_style(size: u32) -> TextStyle<'static> {
     (FONT, size).into_font().into()
-}
-
-/// Fills an area.
-///
-/// # Errors
-/// What the drawing library returns.
-pub fn clear(area: &Area<'_>) -> Result<(), AnyError> {
-    area.fill(&WHITE)?;
-    Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod interruption;
+mod materials;
 mod rendering;
 
 use std::path::{Path, PathBuf};

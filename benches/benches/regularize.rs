@@ -52,7 +52,10 @@ fn lobe_of(kind: u32) -> Lobe {
 fn regularize(c: &mut Criterion) {
     let mut group = c.benchmark_group("regularize");
     group.throughput(Throughput::Elements(COUNT as u64));
-    let taus: Vec<f32> = numbers(1).iter().map(|u| 10_f32.powf(1.0 + 4.0 * u)).collect();
+    let taus: Vec<f32> = numbers(1)
+        .iter()
+        .map(|u| 10_f32.powf(1.0 + 4.0 * u))
+        .collect();
     let alphas: Vec<f32> = numbers(2).iter().map(|u| 0.01 + 0.9 * u).collect();
     let u = numbers(3);
     let (wi, wo) = (directions(4), directions(6));
@@ -77,7 +80,9 @@ fn regularize(c: &mut Criterion) {
     each("alpha-hat, refraction", &|i| {
         bounds::tight_refraction_alpha(distribution::GGX, taus[i], 1.5)
     });
-    each("tau_N", &|i| bandwidth::tau_schedule(taus[i], 1 + 37 * i as u32));
+    each("tau_N", &|i| {
+        bandwidth::tau_schedule(taus[i], 1 + 37 * i as u32)
+    });
     each("Perlin kernel, evaluated", &|i| {
         mollifier::eval_scaled(mollifier::PERLIN, 2, u[i], 0.8)
     });

@@ -120,7 +120,7 @@ fn curve(label: String, colour: usize, mark: Mark, points: Vec<(f64, f64)>) -> S
 
 /// Runs the experiment.
 pub fn run(quick: bool) -> Report {
-    let (runs, last) = if quick { (80, 10) } else { (600, 13) };
+    let (runs, last) = if quick { (80, 10) } else { (300, 12) };
     let counts: Vec<u32> = (2..=last).map(|i| 1 << i).collect();
     let tail = counts.len() / 2;
     let mut text = String::new();

@@ -45,34 +45,36 @@ fn largest_element(m: Mat2) -> f32 {
         .max(abs(m.y_axis.x).max(abs(m.y_axis.y)))
 }
 
+/// Whether a block with this determinant, what is left of one with elements up to `before`, can be told from a singular one.
+#[inline]
+fn is_regular(m: Mat2, determinant: f32, before: f32) -> bool {
+    let scale = largest_element(m);
+    // The larger singular value is about `scale`, the smaller one the determinant over that. A NaN may be lost in a maximum,
+    // but not in the determinant.
+    scale > SMALLEST && scale < LARGEST && abs(determinant) > SINGULAR * scale * scale.max(before)
+}
+
+/// The inverse times the determinant.
+#[inline]
+fn adjugate(m: Mat2) -> Mat2 {
+    Mat2::from_cols(
+        Vec2::new(m.y_axis.y, -m.x_axis.y),
+        Vec2::new(-m.y_axis.x, m.x_axis.x),
+    )
+}
+
 /// Inverse of a 2x2 block, with the guards of this module.
 #[inline]
 pub fn invert(m: Mat2) -> BlockInverse {
-    invert_against(m, 0.0)
-}
-
-/// Inverse of a block that is what is left of one with elements up to `before`.
-#[inline]
-fn invert_against(m: Mat2, before: f32) -> BlockInverse {
-    let scale = largest_element(m);
     let determinant = determinant2(m);
-    // The larger singular value is about `scale`, the smaller one the determinant over that. A NaN may be lost in a maximum,
-    // but not in the determinant.
-    let is_regular = scale > SMALLEST
-        && scale < LARGEST
-        && abs(determinant) > SINGULAR * scale * scale.max(before);
-    if !is_regular {
+    if !is_regular(m, determinant, 0.0) {
         return BlockInverse {
             inverse: Mat2::ZERO,
             determinant: 0.0,
         };
     }
-    let q = 1.0 / determinant;
     BlockInverse {
-        inverse: Mat2::from_cols(
-            Vec2::new(m.y_axis.y, -m.x_axis.y) * q,
-            Vec2::new(-m.y_axis.x, m.x_axis.x) * q,
-        ),
+        inverse: adjugate(m) * (1.0 / determinant),
         determinant,
     }
 }
@@ -84,6 +86,8 @@ pub struct BlockLu<const N: usize> {
     lower: [Mat2; N],
     /// L_i^-1.
     pivot_inverse: [Mat2; N],
+    /// L_i^-1 A_i.
+    pivot_lower: [Mat2; N],
     /// U_i; that of the last row belongs to the vertex behind it.
     upper: [Mat2; N],
     /// det L_i.
@@ -97,6 +101,7 @@ impl<const N: usize> BlockLu<N> {
     pub const SINGULAR: BlockLu<N> = BlockLu {
         lower: [Mat2::ZERO; N],
         pivot_inverse: [Mat2::ZERO; N],
+        pivot_lower: [Mat2::ZERO; N],
         upper: [Mat2::ZERO; N],
         pivot: [0.0; N],
         len: 0,
@@ -116,22 +121,35 @@ impl<const N: usize> BlockLu<N> {
             lu.refuse();
             return lu;
         }
-        let mut previous = Mat2::ZERO;
+        // U and the next A U are kept without the division by det L, which then runs beside their products.
+        let mut carried = Mat2::ZERO;
+        let mut quotient = 0.0;
         for i in 0..len {
+            let pivot = b[i] - carried * quotient;
+            let determinant = determinant2(pivot);
+            if !is_regular(pivot, determinant, largest_element(b[i])) {
+                lu.refuse();
+                return lu;
+            }
+            let adjugate = adjugate(pivot);
+            let product = adjugate * c[i];
+            quotient = 1.0 / determinant;
             let lower = if i == 0 { Mat2::ZERO } else { a[i] };
-            let pivot = invert_against(b[i] - lower * previous, largest_element(b[i]));
-            let upper = pivot.inverse * c[i];
+            let upper = product * quotient;
             // The last C is part of no pivot.
             let sum = upper.x_axis.abs() + upper.y_axis.abs();
-            if pivot.determinant == 0.0 || !(sum.x + sum.y < f32::MAX) {
+            if !(sum.x + sum.y < f32::MAX) {
                 lu.refuse();
                 return lu;
             }
             lu.lower[i] = lower;
-            lu.pivot_inverse[i] = pivot.inverse;
+            lu.pivot_inverse[i] = adjugate * quotient;
+            lu.pivot_lower[i] = (adjugate * lower) * quotient;
             lu.upper[i] = upper;
-            lu.pivot[i] = pivot.determinant;
-            previous = upper;
+            lu.pivot[i] = determinant;
+            if i + 1 < len {
+                carried = a[i + 1] * product;
+            }
         }
         lu
     }
@@ -168,7 +186,7 @@ impl<const N: usize> BlockLu<N> {
         // L y = h, then U x = y.
         let mut y = Vec2::ZERO;
         for i in 0..n {
-            y = self.pivot_inverse[i] * (x[i] - self.lower[i] * y);
+            y = self.pivot_inverse[i] * x[i] - self.pivot_lower[i] * y;
             x[i] = y;
         }
         let mut above = Vec2::ZERO;

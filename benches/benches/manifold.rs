@@ -293,7 +293,7 @@ fn walks(c: &mut Criterion) {
         vertices[i + 1] =
             ChainVertex::from_surface(&point).scattering(i < 2, eta, Vec2::splat(0.1));
     }
-    vertices[4] = ChainVertex::point(Vec3::new(2.0, 0.5, 1.0));
+    vertices[4] = ChainVertex::point(Vec3::new(3.0, 0.5, 0.5));
     let options = WalkOptions::new(3.0);
     let jacobian = ChainJacobian::new(&vertices, 5, options.form);
     let mut target = jacobian.h;

@@ -36,6 +36,9 @@
 //! | J, T_i, D_i | `ChainJacobian`, `transfer`, `row_of_inverse` |
 
 #![cfg_attr(not(feature = "std"), no_std)]
+// `clamp` asserts the order of its bounds, and a shader compiler copies what may panic to all its callers; it knows no
+// range objects in places that it cannot see through.
+#![allow(clippy::manual_clamp, clippy::manual_range_contains)]
 
 pub mod bsdf;
 pub mod manifold;

@@ -121,7 +121,25 @@ pub fn render_film(
     Ok(film)
 }
 
-/// Renders passes into `film` until the goal or until `stop` is set.
+/// What a pass failed of.
+pub type PassError = Box<dyn std::error::Error + Send + Sync>;
+
+/// What takes samples: the processor's threads, or a device of another front end.
+pub trait Sampling {
+    /// Adds `per_pixel` samples to every pixel, or `counts` (by rows) where given. The next sample of a pixel has the
+    /// index [`RenderOptions::first_sample`] plus the pixel's count.
+    ///
+    /// # Errors
+    /// Whatever makes going on impossible. The film then holds complete layers of samples.
+    fn pass(
+        &mut self,
+        film: &mut Film,
+        per_pixel: u32,
+        counts: Option<&[u32]>,
+    ) -> Result<(), PassError>;
+}
+
+/// Renders passes into `film` on all threads until the goal or until `stop` is set.
 ///
 /// # Errors
 /// What the observer returned; the film is complete up to the last pass.
@@ -133,13 +151,63 @@ pub fn render(
     state: &mut RunState,
     stop: &AtomicBool,
     observer: &mut dyn Observer,
-) -> Result<Outcome, Box<dyn std::error::Error + Send + Sync>> {
-    let tables = scene.tables.view();
-    let traverse = accel.traverse(tables);
-    let view = SceneView {
-        tables,
-        traverse: &traverse,
+) -> Result<Outcome, PassError> {
+    let mut threads = ThreadSampling {
+        scene,
+        accel,
+        options,
     };
+    render_with(&mut threads, options, film, state, stop, observer)
+}
+
+/// Samples taken by all threads of the processor.
+pub struct ThreadSampling<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its ray tracer.
+    pub accel: &'a Accel,
+    /// Seed and first sample.
+    pub options: &'a RenderOptions,
+}
+
+impl Sampling for ThreadSampling<'_> {
+    fn pass(
+        &mut self,
+        film: &mut Film,
+        per_pixel: u32,
+        counts: Option<&[u32]>,
+    ) -> Result<(), PassError> {
+        let tables = self.scene.tables.view();
+        let traverse = self.accel.traverse(tables);
+        let view = SceneView {
+            tables,
+            traverse: &traverse,
+        };
+        render_pass(
+            &view,
+            &self.scene.settings,
+            self.scene.sampler,
+            self.options,
+            film,
+            per_pixel,
+            counts,
+        );
+        Ok(())
+    }
+}
+
+/// Renders passes of `sampling` into `film` until the goal or until `stop` is set.
+///
+/// # Errors
+/// What a pass or the observer returned; the film is complete up to the last layer of samples.
+pub fn render_with(
+    sampling: &mut dyn Sampling,
+    options: &RenderOptions,
+    film: &mut Film,
+    state: &mut RunState,
+    stop: &AtomicBool,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, PassError> {
     let start = Instant::now();
     let seconds_before = state.seconds;
     let mut seconds_per_sample = None;
@@ -175,15 +243,14 @@ pub fn render(
             .adaptive
             .then(|| adaptive::next_sample_counts(film, per_pixel));
         let pass_start = Instant::now();
-        render_pass(
-            &view,
-            &scene.settings,
-            scene.sampler,
-            options,
-            film,
-            per_pixel,
-            counts.as_deref(),
-        );
+        let pass = sampling.pass(film, per_pixel, counts.as_deref());
+        if pass.is_err() && !options.adaptive {
+            // A pass that broke off may have added some layers.
+            let least = film.statistics().iter().map(|p| p.count).min();
+            state.samples = least.unwrap_or(state.samples);
+            state.seconds = seconds_before + start.elapsed().as_secs_f64();
+        }
+        pass?;
         seconds_per_sample = Some(pass_start.elapsed().as_secs_f64() / f64::from(per_pixel));
         state.passes += 1;
         state.samples += per_pixel;

@@ -1,1 +1,34 @@
-//! Halflight.
+//! Halflight on Vulkan: the kernel, compiled to SPIR-V by rust-gpu, run by any device with Vulkan 1.2.
+//!
+//! The same scene tables that the CPU renders are uploaded as storage buffers ([`scene_buffers`]); every invocation of a
+//! compute shader (`render-spirv/shaders`) takes one sample of one pixel with the same function of
+//! [`halflight_kernel::transport`] and the same random numbers, and the samples are added to the same film
+//! ([`sampling`]). Two images of the same seed therefore differ by rounding only, and by the few paths that rounding
+//! sends another way.
+//!
+//! # Modules
+//! `render-spirv/spirv/halflight.spv` is committed, so that building this crate needs no shader compiler. It carries a
+//! stamp of the sources it was made from ([`module`]); a test fails when it is older than they are.
+//! `render-spirv/build-shaders` makes it anew:
+//!
+//! - with the rustc 1.95 toolchain of this project: `HALFLIGHT_SPIRV_TOOLCHAIN=DIR render-spirv/build-shaders`, DIR
+//!   holding `bin/spirv-build`;
+//! - with the upstream tools, which this project could not run: `cargo install cargo-gpu`, then in
+//!   `render-spirv/shaders` `cargo gpu build`, which fetches the nightly that spirv-std 0.10.0-alpha.1 pins
+//!   (nightly-2026-04-11); pass `--abort-strategy=unreachable` as a codegen argument, or every index check becomes an
+//!   early return and the module more than twice as large.
+//!
+//! # Limits
+//! Path tracing, ambient occlusion and the layers of the first surface have entry points; other integrators are refused
+//! with a message. Entry points are large, because SPIR-V functions that touch buffers are copied to every call: Mesa's
+//! software device takes minutes to compile the path tracer. It (lavapipe, 22.3) also ends every loop of an invocation
+//! after 65,535 iterations in total; [`canary`] measures the budget of a device, `halflight-gpu devices` prints it, and an
+//! invocation takes one sample only.
+
+pub mod canary;
+pub mod commands;
+pub mod interface;
+pub mod module;
+pub mod sampling;
+pub mod scene_buffers;
+pub mod vulkan;

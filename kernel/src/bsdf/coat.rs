@@ -80,7 +80,7 @@ pub fn enter(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
     for i in 0..count as usize {
         let coat = &coats[i];
         let outside = passage.w;
-        let eta = coat.eta.clamp(1e-3, 1e3);
+        let eta = coat.eta.max(1e-3).min(1e3);
         let cos_inside = -fresnel_dielectric(outside.z, eta).1;
         if !passage.valid || cos_inside < MIN_COSINE {
             passage.valid = false;
@@ -109,7 +109,7 @@ pub fn leave(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
     let mut outside = w;
     let mut valid = w.z > 0.0;
     for k in 0..count as usize {
-        let eta = coats[count as usize - 1 - k].eta.clamp(1e-3, 1e3);
+        let eta = coats[count as usize - 1 - k].eta.max(1e-3).min(1e3);
         // Snell's law in the sines; the cosine from them, so that the direction stays of unit length.
         let (x, y) = (outside.x * eta, outside.y * eta);
         let cos = float::safe_sqrt(1.0 - x * x - y * y);

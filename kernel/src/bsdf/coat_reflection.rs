@@ -14,7 +14,7 @@ use crate::scene::lobe_kind;
 use glam::{Vec2, Vec3};
 
 /// The rough reflection, without a cosine.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z <= 0.0 || wo.z <= 0.0 || lobe.kind == lobe_kind::COAT {
         return Vec3::ZERO;
@@ -32,7 +32,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of the rough reflection of [`sample`] per solid angle.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if wi.z <= 0.0 || wo.z <= 0.0 || lobe.kind == lobe_kind::COAT {
         return 0.0;
@@ -47,7 +47,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 /// The mirror direction about the normal (smooth) or about a visible normal (rough).
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;

@@ -74,7 +74,7 @@ pub fn energy_limit(data: &[f32], table: u32, channel: usize, cos: f32) -> f32 {
 
 #[inline]
 fn over_cosine(data: &[f32], first: usize, cos: f32) -> f32 {
-    let x = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
+    let x = cos.max(0.0).min(1.0) * (COSINES - 1) as f32;
     let i = (x as usize).min(COSINES - 2);
     lerp(data[first + i], data[first + i + 1], x - i as f32)
 }
@@ -88,8 +88,8 @@ pub(super) fn set_energy_limit(data: &mut [f32], channel: usize, k: usize, limit
 /// `ln S~` at a half vector's polar angle, `u = b cos(theta_d) / lambda`.
 #[inline]
 pub fn ln_spectrum(data: &[f32], table: u32, theta_h: f32, u: f32) -> f32 {
-    let row = sqrt((u / data[table as usize + 6]).clamp(0.0, 1.0)) * (ROWS - 1) as f32;
-    let column = pow((theta_h / FRAC_PI_2).clamp(0.0, 1.0), 1.0 / 3.0) * (COLUMNS - 1) as f32;
+    let row = sqrt((u / data[table as usize + 6]).max(0.0).min(1.0)) * (ROWS - 1) as f32;
+    let column = pow((theta_h / FRAC_PI_2).max(0.0).min(1.0), 1.0 / 3.0) * (COLUMNS - 1) as f32;
     let i = (row as usize).min(ROWS - 2);
     let j = (column as usize).min(COLUMNS - 2);
     let at = table as usize + SPECTRUM + i * COLUMNS + j;
@@ -165,7 +165,7 @@ struct Facets {
 impl Facets {
     fn new(beta: f64, p: f64) -> Facets {
         let beta = beta.max(f64::from(super::microfacet::ALPHA_MIN));
-        let p = p.clamp(0.2, 5.0);
+        let p = p.max(0.2).min(5.0);
         Facets {
             beta,
             p,

@@ -15,7 +15,7 @@ use glam::Vec3;
 /// Index on the transmitted side over the index on the incident side, for light that arrives with `cos_i`.
 #[inline]
 pub fn relative_eta(cos_i: f32, eta: f32) -> f32 {
-    let eta = eta.clamp(1e-3, 1e3);
+    let eta = eta.max(1e-3).min(1e3);
     if cos_i >= 0.0 { eta } else { 1.0 / eta }
 }
 
@@ -23,7 +23,7 @@ pub fn relative_eta(cos_i: f32, eta: f32) -> f32 {
 ///
 /// `cos_t` has the opposite sign of `cos_i`. Total internal reflection gives `(1, 0)`; `eta == 1` gives `(0, -cos_i)`
 /// at every angle.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
     let e = relative_eta(cos_i, eta);
     let c = abs(cos_i).min(1.0);
@@ -46,7 +46,7 @@ pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
 }
 
 /// Exact reflectance of a conductor with complex index `eta + i k` per channel; `cos_i` is taken without its sign.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn fresnel_conductor(cos_i: f32, eta: Vec3, k: Vec3) -> Rgb {
     Vec3::new(
         conductor_channel(cos_i, eta.x, k.x),
@@ -81,7 +81,7 @@ fn conductor_channel(cos_i: f32, eta: f32, k: f32) -> f32 {
     }
     let r_s = (s_sum - two_a_c) / (s_sum + two_a_c);
     let r_p = r_s * (p_sum - p_cross) / (p_sum + p_cross);
-    (0.5 * (r_s + r_p)).clamp(0.0, 1.0)
+    (0.5 * (r_s + r_p)).max(0.0).min(1.0)
 }
 
 /// Reflectance of a dielectric boundary under uniform hemispherical illumination, `2 integral F(c) c dc`.
@@ -92,7 +92,7 @@ fn conductor_channel(cos_i: f32, eta: f32, k: f32) -> f32 {
 /// Fresnel terms: call it when a scene is built.
 pub fn fresnel_diffuse_reflectance(eta: f32) -> f32 {
     const INTERVALS: u32 = 128;
-    let eta = eta.clamp(1e-3, 1e3);
+    let eta = eta.max(1e-3).min(1e3);
     let n = if eta < 1.0 { 1.0 / eta } else { eta };
     // Simpson's rule in t = sqrt(c): the integrand 4 t^3 F(t^2) has no steep end at grazing angles.
     let mut sum = 0.0;

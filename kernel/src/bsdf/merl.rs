@@ -66,7 +66,7 @@ impl Layout {
     /// The cell of an incident cosine.
     #[inline]
     fn incidence(&self, cos: f32) -> usize {
-        let cos = cos.clamp(0.0, 1.0);
+        let cos = cos.max(0.0).min(1.0);
         let theta = float::atan2(float::safe_sqrt(1.0 - cos * cos), cos);
         ((theta / FRAC_PI_2 * self.incidences as f32) as usize).min(self.incidences - 1)
     }
@@ -127,12 +127,12 @@ pub fn directions(angles: Vec3) -> (Vec3, Vec3) {
 pub fn lookup(data: &[f32], table: u32, angles: Vec3) -> Rgb {
     let layout = Layout::read(data, table);
     let [n_h, n_d, n_p] = layout.cells;
-    let x_h = float::sqrt((angles.x / FRAC_PI_2).clamp(0.0, 1.0)) * n_h as f32 - 0.5;
-    let x_d = (angles.y / FRAC_PI_2).clamp(0.0, 1.0) * n_d as f32 - 0.5;
+    let x_h = float::sqrt((angles.x / FRAC_PI_2).max(0.0).min(1.0)) * n_h as f32 - 0.5;
+    let x_d = (angles.y / FRAC_PI_2).max(0.0).min(1.0) * n_d as f32 - 0.5;
     // Shifted by one period to be positive.
-    let x_p = (angles.z / PI).clamp(0.0, 1.0) * n_p as f32 - 0.5 + n_p as f32;
-    let x_h = x_h.clamp(0.0, (n_h - 1) as f32);
-    let x_d = x_d.clamp(0.0, (n_d - 1) as f32);
+    let x_p = (angles.z / PI).max(0.0).min(1.0) * n_p as f32 - 0.5 + n_p as f32;
+    let x_h = x_h.max(0.0).min((n_h - 1) as f32);
+    let x_d = x_d.max(0.0).min((n_d - 1) as f32);
     let (h0, d0, p) = (x_h as usize, x_d as usize, x_p as usize);
     let (t_h, t_d, t_p) = (x_h - h0 as f32, x_d - d0 as f32, x_p - p as f32);
     let (h1, d1) = ((h0 + 1).min(n_h - 1), (d0 + 1).min(n_d - 1));
@@ -182,7 +182,7 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         let sin_h = float::sqrt(h.x * h.x + h.y * h.y);
         let theta = float::atan2(sin_h, h.z);
         let n = layout.cells[0];
-        let x = float::sqrt((theta / FRAC_PI_2).clamp(0.0, 1.0)) * n as f32;
+        let x = float::sqrt((theta / FRAC_PI_2).max(0.0).min(1.0)) * n as f32;
         let cell = (x as usize).min(n - 1);
         let p = layout.probability(data, layout.incidence(wi.z), cell) / cell_solid_angle(n, cell);
         // Jacobian of the reflection at h: d omega_h / d omega_o = 1 / (4 wi . h).

@@ -72,7 +72,7 @@ impl Microfacets {
     }
 
     /// `D(m)`.
-    #[inline]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn distribution(&self, m: Vec3) -> f32 {
         if m.z <= 0.0 {
             return 0.0;
@@ -89,7 +89,7 @@ impl Microfacets {
 
     /// Area of the microfacets that face `w`, projected along `w`, per area of macrosurface: `|w.z| / G1`, at least
     /// `|w.z|`, positive for every unit `w`. The side of `w` is not looked at.
-    #[inline]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn projected_area(&self, w: Vec3) -> f32 {
         // |w.z| tan(theta) times the roughness along the azimuth of w.
         let x = self.alpha.x * w.x;
@@ -117,7 +117,7 @@ impl Microfacets {
     }
 
     /// A normal with density [`Microfacets::normal_pdf`], `D(m) m.z`.
-    #[inline]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn sample_normal(&self, u: Vec2) -> Vec3 {
         match self.kind {
             kinds::PHONG => phong::sample_normal(self.alpha, u),
@@ -136,7 +136,7 @@ impl Microfacets {
     }
 
     /// A normal that `wi`, `wi.z >= 0`, sees, with density [`Microfacets::visible_normal_pdf`].
-    #[inline]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn sample_visible_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
         if !self.has_smith_normals() {
             return self.sample_cavity_normal(wi, u);
@@ -159,7 +159,7 @@ impl Microfacets {
     }
 
     /// Density per solid angle of [`Microfacets::sample_visible_normal`].
-    #[inline]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn visible_normal_pdf(&self, wi: Vec3, m: Vec3) -> f32 {
         let cos_i = wi.dot(m);
         if wi.z < 0.0 || cos_i <= 0.0 {
@@ -176,7 +176,7 @@ impl Microfacets {
 
     /// Smith's density of visible normals over [`Microfacets::visible_normal_pdf`], for a visible `m`: one for the
     /// distributions whose normals are sampled so.
-    #[inline]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn visible_normal_weight(&self, wi: Vec3, m: Vec3) -> f32 {
         if self.has_smith_normals() {
             return 1.0;
@@ -248,7 +248,7 @@ impl Microfacets {
     }
 
     /// A normal with the density of the visible normals of V-cavities, or of all normals.
-    #[inline]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
     fn sample_cavity_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
         if !self.mirrors_normals() {
             return self.sample_normal(u);
@@ -277,13 +277,13 @@ impl Microfacets {
 }
 
 /// [`Microfacets::distribution`] of a kind without an exponent.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn distribution(kind: u32, alpha: Vec2, m: Vec3) -> f32 {
     Microfacets::new(kind, alpha, 1.0).distribution(m)
 }
 
 /// [`Microfacets::projected_area`] of a kind without an exponent.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn projected_area(kind: u32, alpha: Vec2, w: Vec3) -> f32 {
     Microfacets::new(kind, alpha, 1.0).projected_area(w)
 }
@@ -295,19 +295,19 @@ pub fn smith_g1(kind: u32, alpha: Vec2, w: Vec3, m: Vec3) -> f32 {
 }
 
 /// [`Microfacets::sample_visible_normal`] of a kind without an exponent.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample_visible_normal(kind: u32, alpha: Vec2, wi: Vec3, u: Vec2) -> Vec3 {
     Microfacets::new(kind, alpha, 1.0).sample_visible_normal(wi, u)
 }
 
 /// [`Microfacets::visible_normal_pdf`] of a kind without an exponent.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn visible_normal_pdf(kind: u32, alpha: Vec2, wi: Vec3, m: Vec3) -> f32 {
     Microfacets::new(kind, alpha, 1.0).visible_normal_pdf(wi, m)
 }
 
 /// [`Microfacets::sample_normal`] of a kind without an exponent.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample_normal(kind: u32, alpha: Vec2, u: Vec2) -> Vec3 {
     Microfacets::new(kind, alpha, 1.0).sample_normal(u)
 }

@@ -13,12 +13,27 @@ use super::{
     BsdfSample, Coat, Lobe, MAX_COATS, MAX_LOBES, event, frame_map, lobe, microfacet,
     rough_transmittance,
 };
-use crate::math::{Rgb, float};
+use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::{
     CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, lobe_flag, lobe_kind,
-    texture::{eval_rgb, eval_scalar},
+    texture::{eval_at_point, eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};
+
+/// A reference to a variable that holds the value of a place. Shaders pass variables to functions, but copy the function
+/// where it is given a place within a larger value; on hosts the place itself is the cheaper argument.
+#[cfg(target_arch = "spirv")]
+macro_rules! variable {
+    ($place:expr) => {
+        &{ $place }
+    };
+}
+#[cfg(not(target_arch = "spirv"))]
+macro_rules! variable {
+    ($place:expr) => {
+        &$place
+    };
+}
 
 /// A material looked up at a point, for one known direction `wi`.
 #[derive(Clone, Copy, Debug)]
@@ -124,7 +139,7 @@ impl Bsdf {
     pub fn eval_cosine(&self, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         let mut f = Vec3::ZERO;
         for i in 0..self.count as usize {
-            let lobe = &self.lobes[i];
+            let lobe = variable!(self.lobes[i]);
             f += lobe::eval_cosine(lobe, data, wi, wo) * lobe.weight;
         }
         f
@@ -135,7 +150,8 @@ impl Bsdf {
     pub fn pdf(&self, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         let mut p = 0.0;
         for i in 0..self.count as usize {
-            p += lobe::pdf(&self.lobes[i], data, wi, wo) * self.selection[i];
+            let lobe = variable!(self.lobes[i]);
+            p += lobe::pdf(lobe, data, wi, wo) * self.selection[i];
         }
         p
     }
@@ -155,7 +171,7 @@ impl Bsdf {
             if i == skip {
                 continue;
             }
-            let lobe = &self.lobes[i];
+            let lobe = variable!(self.lobes[i]);
             let (lobe_f, lobe_p) = lobe::eval_cosine_pdf(lobe, data, wi, wo);
             f += lobe_f * lobe.weight;
             p += lobe_p * self.selection[i];
@@ -169,11 +185,6 @@ impl Bsdf {
         if self.count == 0 {
             return BsdfSample::NONE;
         }
-        if self.count == 1 {
-            let mut s = lobe::sample(&self.lobes[0], data, wi, u1, u2);
-            s.weight *= self.lobes[0].weight;
-            return s;
-        }
         // Inversion of the discrete distribution; the remainder of u1 is uniform again.
         let mut chosen = 0;
         let mut u = u1;
@@ -185,10 +196,14 @@ impl Bsdf {
         if q <= 0.0 {
             return BsdfSample::NONE;
         }
-        let lobe = &self.lobes[chosen];
+        let lobe = variable!(self.lobes[chosen]);
         let mut s = lobe::sample(lobe, data, wi, (u / q).min(ONE_MINUS_EPSILON), u2);
         if s.pdf <= 0.0 {
             return BsdfSample::NONE;
+        }
+        if self.count == 1 {
+            s.weight *= lobe.weight;
+            return s;
         }
         if s.event & event::DELTA != 0 {
             s.weight *= lobe.weight / q;
@@ -256,7 +271,9 @@ fn weight(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> f32
     let mut product = 1.0;
     for i in 0..record.factor_count {
         let factor = &tables.factors[(record.first_factor + i) as usize];
-        let value = eval_scalar(tables, &factor.parameter, point).clamp(0.0, 1.0);
+        let value = eval_scalar(tables, &factor.parameter, point)
+            .max(0.0)
+            .min(1.0);
         product *= if factor.complement != 0 {
             1.0 - value
         } else {
@@ -299,18 +316,19 @@ fn fill_lobe(
         lobe.frame = frame_map::perturbed_frame(tables, record.frame, point, wi);
         lobe.has_frame = true;
     }
+    let p = parameters(tables, record, point);
     if record.kind == lobe_kind::DIFFUSE {
-        lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
+        lobe.reflectance = p[0];
         return;
     }
     if record.kind == lobe_kind::ROUGH_DIFFUSE {
-        lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
-        lobe.alpha = Vec2::splat(eval_scalar(tables, &record.alpha_u, point));
+        lobe.reflectance = p[0];
+        lobe.alpha = Vec2::splat(p[6].x);
         return;
     }
     lobe.distribution = record.distribution;
     if record.distribution == distribution::EXPONENTIAL_POWER {
-        lobe.exponent = eval_scalar(tables, &record.exponent, point);
+        lobe.exponent = p[8].x;
     }
     lobe.table = record.table;
     lobe.table_rows = record.table_rows;
@@ -318,20 +336,18 @@ fn fill_lobe(
     if record.kind == lobe_kind::MERL {
         return;
     }
-    lobe.specular_reflectance = eval_rgb(tables, &record.specular_reflectance, point);
-    lobe.eta = eval_rgb(tables, &record.eta, point);
+    lobe.specular_reflectance = p[1];
+    lobe.eta = p[3];
     match record.kind {
         lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => {
-            lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
-            lobe.optical_depth = eval_rgb(tables, &record.optical_depth, point);
+            lobe.reflectance = p[0];
+            lobe.optical_depth = p[5];
         }
         lobe_kind::COAT | lobe_kind::ROUGH_COAT => {}
         lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
-            lobe.k = eval_rgb(tables, &record.k, point);
+            lobe.k = p[4];
         }
-        _ => {
-            lobe.specular_transmittance = eval_rgb(tables, &record.specular_transmittance, point);
-        }
+        _ => lobe.specular_transmittance = p[2],
     }
     if record.kind == lobe_kind::ROUGH_CONDUCTOR
         || record.kind == lobe_kind::DIFFRACTING_CONDUCTOR
@@ -339,13 +355,7 @@ fn fill_lobe(
         || record.kind == lobe_kind::ROUGH_PLASTIC
         || record.kind == lobe_kind::ROUGH_COAT
     {
-        let alpha_u = eval_scalar(tables, &record.alpha_u, point);
-        let alpha_v = if record.alpha_v == record.alpha_u {
-            alpha_u
-        } else {
-            eval_scalar(tables, &record.alpha_v, point)
-        };
-        lobe.alpha = microfacet::clamp_alpha(Vec2::new(alpha_u, alpha_v));
+        lobe.alpha = microfacet::clamp_alpha(Vec2::new(p[6].x, p[7].x));
     }
     if record.kind == lobe_kind::ROUGH_PLASTIC && record.table != NONE && record.table_rows > 1 {
         lobe.internal_reflectance = rough_transmittance::internal_reflectance(
@@ -355,6 +365,46 @@ fn fill_lobe(
             lobe.alpha.x,
         );
     }
+}
+
+/// The record's parameters at the point: reflectance, specular reflectance and transmittance, eta, k, optical depth, and
+/// in every channel the two roughnesses and the exponent. One loop over all, because shader compilers copy the texture
+/// lookup to every call.
+#[inline]
+fn parameters(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> [Rgb; 9] {
+    let mut values = [
+        vec3(record.reflectance.value),
+        vec3(record.specular_reflectance.value),
+        vec3(record.specular_transmittance.value),
+        vec3(record.eta.value),
+        vec3(record.k.value),
+        vec3(record.optical_depth.value),
+        Vec3::splat(record.alpha_u.value),
+        Vec3::splat(record.alpha_v.value),
+        Vec3::splat(record.exponent.value),
+    ];
+    let textures = [
+        record.reflectance.texture,
+        record.specular_reflectance.texture,
+        record.specular_transmittance.texture,
+        record.eta.texture,
+        record.k.texture,
+        record.optical_depth.texture,
+        record.alpha_u.texture,
+        record.alpha_v.texture,
+        record.exponent.texture,
+    ];
+    for i in 0..9 {
+        if textures[i] != NONE {
+            let texel = eval_at_point(tables, textures[i], point);
+            values[i] *= if i < 6 {
+                texel
+            } else {
+                Vec3::splat(luminance(texel))
+            };
+        }
+    }
+    values
 }
 
 /// A coat with its parameters looked up.

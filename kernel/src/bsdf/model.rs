@@ -80,9 +80,9 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
         lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
         lobe_kind::NULL => Vec3::ONE,
         // Cells are coarse: where the albedo of one is nothing, some direction may still reflect.
-        lobe_kind::MERL => {
-            merl::albedo(lobe, data, float::abs(wi.z)).clamp(Vec3::splat(1e-3), Vec3::ONE)
-        }
+        lobe_kind::MERL => merl::albedo(lobe, data, float::abs(wi.z))
+            .max(Vec3::splat(1e-3))
+            .min(Vec3::ONE),
         lobe_kind::COAT | lobe_kind::ROUGH_COAT => lobe.specular_reflectance * coat_share(lobe, wi),
         _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
     }

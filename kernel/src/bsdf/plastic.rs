@@ -24,7 +24,7 @@ use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 
 /// The diffuse part, without a cosine.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return Vec3::ZERO;
@@ -38,7 +38,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of the diffuse part of [`sample`] per solid angle.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return 0.0;
@@ -48,7 +48,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 /// The mirror direction or a cosine-distributed one; `u1` chooses.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;

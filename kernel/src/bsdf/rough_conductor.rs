@@ -14,7 +14,7 @@ use crate::scene::lobe_flag;
 use glam::{Vec2, Vec3};
 
 /// BSDF without a cosine.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return Rgb::ZERO;
@@ -27,7 +27,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of [`sample`] per solid angle.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return 0.0;
@@ -41,7 +41,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 /// A direction reflected at a sampled normal; `u1` is not used.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;

@@ -91,7 +91,7 @@ fn half_vector(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Half {
 }
 
 /// BSDF without a cosine.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     let half = half_vector(lobe, wi, wo);
     if !half.valid {
@@ -115,7 +115,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of [`sample`] per solid angle.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     let half = half_vector(lobe, wi, wo);
     if !half.valid {
@@ -133,7 +133,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 /// A direction reflected or refracted at a sampled normal.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z == 0.0 {
         return BsdfSample::NONE;

@@ -18,19 +18,21 @@ use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3};
 
 /// The BSDF, without a cosine.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return Vec3::ZERO;
     }
-    let alpha = lobe.alpha.x.clamp(0.0, 1.0);
+    let alpha = lobe.alpha.x.max(0.0).min(1.0);
     let sigma2 = 0.5 * alpha * alpha;
     if sigma2 <= 0.0 {
         return lobe.reflectance * FRAC_1_PI;
     }
     let (sin_i, sin_o) = (across(wi), across(wo));
     let cos_phi = if sin_i * sin_o > 0.0 {
-        ((wi.x * wo.x + wi.y * wo.y) / (sin_i * sin_o)).clamp(-1.0, 1.0)
+        ((wi.x * wo.x + wi.y * wo.y) / (sin_i * sin_o))
+            .max(-1.0)
+            .min(1.0)
     } else {
         0.0
     };
@@ -68,13 +70,13 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of [`sample`] per solid angle.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     diffuse::pdf(lobe, wi, wo)
 }
 
 /// A cosine-distributed direction.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     let mut s = diffuse::sample(lobe, wi, u1, u2);
     if s.pdf > 0.0 {

@@ -30,7 +30,7 @@ pub fn transmittance(data: &[f32], table: u32, rows: u32, eta: f32, alpha: f32, 
         return 1.0 - fresnel_dielectric(cos, eta).0;
     }
     const LAST: usize = ENTRIES - 1;
-    let x = cos.clamp(0.0, 1.0) * LAST as f32;
+    let x = cos.max(0.0).min(1.0) * LAST as f32;
     let i = (x as usize).min(LAST - 1);
     let t = x - i as f32;
     let at = table as usize + i;
@@ -57,7 +57,7 @@ pub fn internal_reflectance(data: &[f32], table: u32, rows: u32, alpha: f32) -> 
 /// The row below `alpha` and the position between it and the next.
 #[inline]
 fn row_of(rows: u32, alpha: f32) -> (usize, f32) {
-    let x = float::sqrt(alpha.clamp(0.0, 1.0)) * (rows - 1) as f32;
+    let x = float::sqrt(alpha.max(0.0).min(1.0)) * (rows - 1) as f32;
     let row = (x as usize).min(rows as usize - 2);
     (row, x - row as f32)
 }
@@ -87,7 +87,7 @@ fn mean_over_visible_normals(kind: u32, alpha: f32, wi: Vec3, f: impl Fn(Vec3) -
 /// A direction with cosine `cos`, kept off the horizon.
 #[cfg(not(target_arch = "spirv"))]
 fn direction_at_cosine(cos: f32) -> Vec3 {
-    let cos = cos.clamp(1e-6, 1.0);
+    let cos = cos.max(1e-6).min(1.0);
     Vec3::new(float::safe_sqrt((1.0 - cos) * (1.0 + cos)), 0.0, cos)
 }
 

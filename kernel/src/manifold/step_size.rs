@@ -44,7 +44,9 @@ pub fn mean_step(alpha: f32, gamma: f32) -> f32 {
 /// The deviation of the Gaussian whose mean step is [`mean_step`]: `gamma alpha / sqrt(2)`.
 #[inline]
 pub fn bsdf_deviation(alpha: f32, gamma: f32) -> f32 {
-    (FRAC_1_SQRT_2 * gamma * alpha).clamp(0.0, LARGEST_DEVIATION)
+    (FRAC_1_SQRT_2 * gamma * alpha)
+        .max(0.0)
+        .min(LARGEST_DEVIATION)
 }
 
 /// An ellipse of steps: its axis and the half lengths along it and across.

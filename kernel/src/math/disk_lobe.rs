@@ -89,7 +89,7 @@ impl DiskLobe {
         };
         // 1 - |z|^2 = (1 - |a|^2)(1 - |w|^2) / |1 - conj(a) w|^2 does not cancel near the rim.
         let jacobian = moebius_jacobian(center, w);
-        let height2 = ((1.0 - r2) * sqrt(jacobian)).clamp(1e-12, 1.0);
+        let height2 = ((1.0 - r2) * sqrt(jacobian)).max(1e-12).min(1.0);
         let peak = sqrt((k.x + 1.0) * (k.y + 1.0)) * (0.5 * FRAC_1_PI);
         let p = peak * pow(height2, 0.5 * (along - 1.0)) * jacobian;
         if abs(p) <= f32::MAX { p } else { 0.0 }

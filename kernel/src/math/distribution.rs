@@ -54,7 +54,7 @@ fn search(data: &[f32], offset: u32, low: u32, high: u32, u: f32) -> (u32, f32, 
     };
     let pmf = data[(offset + low) as usize] - lower;
     let stretched = if pmf > 0.0 { (u - lower) / pmf } else { 0.0 };
-    (low, stretched.clamp(0.0, ONE_MINUS_EPSILON), pmf)
+    (low, stretched.max(0.0).min(ONE_MINUS_EPSILON), pmf)
 }
 
 /// Equal parts of [0, 1) that a guide tells where to search: a power of two.

@@ -97,7 +97,7 @@ pub fn table_words(size: u32) -> u32 {
 /// A table read between its words: the integral up to `position` steps.
 #[inline]
 fn integral_to(data: &[f32], offset: u32, size: u32, position: f32) -> f32 {
-    let i = float::floor(position.clamp(0.0, size as f32));
+    let i = float::floor(position.max(0.0).min(size as f32));
     let step = i as u32;
     let before = if step == 0 {
         0.0
@@ -118,7 +118,7 @@ pub fn sample(camera: &Camera, data: &[f32], lo: f32, hi: f32, u: f32) -> (f32, 
     let r = radius(camera.filter, camera.filter_parameters);
     let size = camera.filter_table_size;
     if camera.filter == filter_kind::BOX || size == 0 || !(r > 0.0) {
-        return (float::lerp(lo, hi, u).clamp(lo, hi), 1.0);
+        return (float::lerp(lo, hi, u).max(lo).min(hi), 1.0);
     }
     let absolute = camera.filter_table;
     let signed = camera.filter_table + size;
@@ -147,7 +147,7 @@ pub fn sample(camera: &Camera, data: &[f32], lo: f32, hi: f32, u: f32) -> (f32, 
     let is_negative = data[(signed + step) as usize] < before;
     let weight = (a1 - a0) / (s1 - s0);
     (
-        offset.clamp(lo, hi),
+        offset.max(lo).min(hi),
         if is_negative { -weight } else { weight },
     )
 }
@@ -166,7 +166,7 @@ pub fn fill_table(kind: u32, parameters: [f32; 3], out: &mut [f32]) {
         for k in 0..=8 {
             let x = -r + (step as f64 + f64::from(k) / 8.0) * width;
             // The end points may round to just outside the support.
-            let inside = x.clamp(-r, r) as f32;
+            let inside = x.max(-r).min(r) as f32;
             let weight = if k == 0 || k == 8 {
                 1.0
             } else if k % 2 == 1 {

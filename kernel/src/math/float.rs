@@ -3,6 +3,17 @@
 //! rust-gpu replaces libm's names by the shader's own instructions, so the libm branch serves both plain `no_std`
 //! targets and shaders. No function here panics; each returns a finite value for finite input inside its domain.
 
+/// A polynomial by Horner's rule, coefficients from that of `x^0` on. Written out, because a shader compiler would store
+/// a table anew at each use.
+macro_rules! polynomial {
+    (@ $x:ident; $c:literal) => { $c };
+    (@ $x:ident; $c:literal, $($more:literal),+) => { $c + $x * polynomial!(@ $x; $($more),+) };
+    ($x:expr; $($c:literal),+) => {{
+        let x: f32 = $x;
+        polynomial!(@ x; $($c),+)
+    }};
+}
+
 macro_rules! unary {
     ($($(#[$doc:meta])* $name:ident => $libm:ident;)*) => {$(
         $(#[$doc])*
@@ -73,19 +84,8 @@ pub fn floor(x: f32) -> f32 {
 ///
 /// An odd polynomial in the ratio of the smaller to the larger magnitude, which needs no table and no call; the
 /// coefficients minimise the largest relative error over [0, 1].
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn atan2(y: f32, x: f32) -> f32 {
-    const C: [f32; 9] = [
-        1.0,
-        -0.333330721,
-        0.199926198,
-        -0.142036438,
-        0.106409289,
-        -0.075042814,
-        0.0426913425,
-        -0.0160685088,
-        0.00284985756,
-    ];
     let (a, b) = (abs(x), abs(y));
     let is_steep = b > a;
     let (small, large) = if is_steep { (a, b) } else { (b, a) };
@@ -93,7 +93,8 @@ pub fn atan2(y: f32, x: f32) -> f32 {
         return 0.0;
     }
     let t = small / large;
-    let mut angle = t * polynomial(C, t * t);
+    let mut angle = t
+        * polynomial!(t * t; 1.0, -0.333330721, 0.199926198, -0.142036438, 0.106409289, -0.075042814, 0.0426913425, -0.0160685088, 0.00284985756);
     if is_steep {
         angle = core::f32::consts::FRAC_PI_2 - angle;
     }
@@ -153,34 +154,14 @@ pub fn is_finite(x: f32) -> bool {
     abs(x) <= f32::MAX
 }
 
-/// A polynomial of degree 11 at most, by Horner's rule; `c[i]` is the coefficient of `x^i`.
-#[inline]
-fn polynomial<const N: usize>(c: [f32; N], x: f32) -> f32 {
-    let mut value = 0.0;
-    let mut i = N;
-    while i > 0 {
-        i -= 1;
-        value = value * x + c[i];
-    }
-    value
-}
-
 /// Error function, `2 / sqrt(pi)` times the integral of `exp(-t^2)` from 0 to `x`; relative error below 3e-7.
 ///
 /// Odd polynomial below 1, complement of [`erfc_scaled`] above. Coefficients: truncated Chebyshev series.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn erf(x: f32) -> f32 {
     let a = abs(x);
     if a < 1.0 {
-        const C: [f32; 6] = [
-            0.965468764,
-            -0.1405361,
-            0.0198518056,
-            -0.0022854195,
-            0.000219359456,
-            -1.7669081e-05,
-        ];
-        x * polynomial(C, 2.0 * x * x - 1.0)
+        x * polynomial!(2.0 * x * x - 1.0; 0.965468764, -0.1405361, 0.0198518056, -0.0022854195, 0.000219359456, -1.7669081e-05)
     } else {
         with_sign_of(1.0 - exp(-a * a) * erfc_scaled(a), x)
     }
@@ -191,23 +172,11 @@ pub fn erf(x: f32) -> f32 {
 ///
 /// `(1 + 2 x) exp(x^2) erfc(x)` is a polynomial in `(x - 2) / (x + 2)` (the form of Shepherd and Laframboise 1981,
 /// "Chebyshev approximation of (1 + 2x) exp(x^2) erfc x in 0 <= x < infinity"; coefficients fitted anew).
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn erfc_scaled(x: f32) -> f32 {
-    const C: [f32; 11] = [
-        1.27697837,
-        -0.0927630812,
-        -0.166031092,
-        0.164035842,
-        -0.0542119592,
-        -0.00794272125,
-        0.00868915953,
-        0.00104314461,
-        -0.0013957069,
-        -0.00018365444,
-        0.000160803582,
-    ];
     let x = if x > 0.0 { x } else { 0.0 };
-    polynomial(C, (x - 2.0) / (x + 2.0)) / (1.0 + 2.0 * x)
+    polynomial!((x - 2.0) / (x + 2.0); 1.27697837, -0.0927630812, -0.166031092, 0.164035842, -0.0542119592, -0.00794272125, 0.00868915953, 0.00104314461, -0.0013957069, -0.00018365444, 0.000160803582)
+        / (1.0 + 2.0 * x)
 }
 
 /// Inverse of [`erf`]; relative error below 4e-6. `x` is clamped to the largest `f32` below 1 in magnitude, so that
@@ -215,61 +184,32 @@ pub fn erfc_scaled(x: f32) -> f32 {
 ///
 /// Two polynomials over `w = -ln(1 - x^2)`, in `w` below 5 and in its square root above (the form of Giles 2012,
 /// "Approximating the erfinv function"; coefficients fitted anew).
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn erf_inv(x: f32) -> f32 {
     const LIMIT: f32 = 0.999_999_94;
-    let x = x.clamp(-LIMIT, LIMIT);
+    let x = x.max(-LIMIT).min(LIMIT);
     let w = -ln((1.0 - x) * (1.0 + x));
     if w < 5.0 {
-        const C: [f32; 8] = [
-            1.50140905,
-            0.616601884,
-            -0.0260998029,
-            -0.0195898227,
-            0.00848476216,
-            -0.000428089028,
-            -0.000774483196,
-            0.000209060585,
-        ];
-        x * polynomial(C, 0.4 * w - 1.0)
+        x * polynomial!(0.4 * w - 1.0; 1.50140905, 0.616601884, -0.0260998029, -0.0195898227, 0.00848476216, -0.000428089028, -0.000774483196, 0.000209060585)
     } else {
         // sqrt(w) from sqrt(5) to sqrt(17) onto -1 to 1.
-        const C: [f32; 7] = [
-            3.01313066,
-            0.947698712,
-            0.00554032065,
-            -0.00370629947,
-            0.00258871447,
-            -0.00185979938,
-            0.000685121631,
-        ];
-        x * polynomial(C, 1.059_862_3 * sqrt(w) - 3.369_924_1)
+        x * polynomial!(1.059_862_3 * sqrt(w) - 3.369_924_1; 3.01313066, 0.947698712, 0.00554032065, -0.00370629947, 0.00258871447, -0.00185979938, 0.000685121631)
     }
 }
 
 /// `Gamma(1 + x)` for `x` in [0, 10]; relative error below 1e-6.
 ///
 /// Recurrence down to [0, 1], there the polynomial 6.1.36 of Abramowitz and Stegun 1964.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn gamma_1p(x: f32) -> f32 {
-    const C: [f32; 9] = [
-        1.0,
-        -0.577191652,
-        0.988205891,
-        -0.897056937,
-        0.918206857,
-        -0.756704078,
-        0.482199394,
-        -0.193527818,
-        0.035868343,
-    ];
-    let mut x = x.clamp(0.0, 10.0);
+    let mut x = x.max(0.0).min(10.0);
     let mut product = 1.0;
     while x > 1.0 {
         product *= x;
         x -= 1.0;
     }
-    product * polynomial(C, x)
+    product
+        * polynomial!(x; 1.0, -0.577191652, 0.988205891, -0.897056937, 0.918206857, -0.756704078, 0.482199394, -0.193527818, 0.035868343)
 }
 
 /// `x^shape` at the quantile `u` of the Gamma distribution of unit scale, `shape` in [0.2, 5]: the power stays in range
@@ -279,7 +219,7 @@ pub fn gamma_1p(x: f32) -> f32 {
 /// Wilson and Hilferty's start, or the power law of small quantiles, then Halley's method on the incomplete Gamma
 /// function: its series below `shape + 1`, its continued fraction above (Abramowitz and Stegun 1964, 6.5.29, 6.5.31).
 pub fn inverse_gamma_distribution(shape: f32, u: f32) -> f32 {
-    let k = shape.clamp(0.2, 5.0);
+    let k = shape.max(0.2).min(5.0);
     let gamma = gamma_1p(k);
     let upper = (1.0 - u).max(6e-8);
     // P(x) = x^k / Gamma(1 + k) (1 - k x / (k + 1) + ...).
@@ -314,8 +254,8 @@ pub fn inverse_gamma_distribution(shape: f32, u: f32) -> f32 {
         }
         let newton = error / scaled;
         // Relative steps; Halley's correction is limited where the start is far.
-        let halley = 1.0 - 0.5 * (newton * (k - 1.0 - x)).clamp(-1.0, 1.0);
-        let step = (newton / halley).clamp(-1.0, 0.7);
+        let halley = 1.0 - 0.5 * (newton * (k - 1.0 - x)).max(-1.0).min(1.0);
+        let step = (newton / halley).max(-1.0).min(0.7);
         x *= 1.0 - step;
         if abs(step) < 1e-5 {
             break;

@@ -31,3 +31,18 @@ pub fn luminance(c: Rgb) -> f32 {
 pub fn vec3(a: [f32; 3]) -> glam::Vec3 {
     glam::Vec3::new(a[0], a[1], a[2])
 }
+
+/// Element `i` of a constant table, the last one beyond its end.
+///
+/// An index that may panic would make a shader compiler copy the function to all its callers.
+#[inline]
+pub fn entry<const N: usize>(table: [f32; N], i: usize) -> f32 {
+    let i = if i < N { i } else { N - 1 };
+    #[cfg(target_arch = "spirv")]
+    // SAFETY: the index was brought into the table.
+    unsafe {
+        *table.get_unchecked(i)
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    table[i]
+}

@@ -54,7 +54,7 @@ pub fn power_law(initial: f32, n: u32, lambda: f32) -> f32 {
 /// `r_0 gamma^n` from `one_minus_gamma`, in [0, 1): gamma itself has lost the digits that make the rate.
 #[inline]
 pub fn geometric(initial: f32, one_minus_gamma: f32, n: u32) -> f32 {
-    let g = one_minus_gamma.clamp(0.0, 0.999_999);
+    let g = one_minus_gamma.max(0.0).min(0.999_999);
     // ln(1 - g); the series where the difference would round.
     let log = if g < 1e-2 {
         -g * (1.0 + g * (0.5 + g * (1.0 / 3.0 + g * 0.25)))
@@ -67,7 +67,7 @@ pub fn geometric(initial: f32, one_minus_gamma: f32, n: u32) -> f32 {
 /// Tangent of the cone whose value is `tau`: `sqrt(4 pi tau - 1) / (2 pi tau - 1)`.
 #[inline]
 pub fn cone_tangent(tau: f32) -> f32 {
-    let tau = tau.clamp(TAU_MIN, TAU_MAX);
+    let tau = tau.max(TAU_MIN).min(TAU_MAX);
     safe_sqrt(4.0 * PI * tau - 1.0) / (2.0 * PI * tau - 1.0)
 }
 

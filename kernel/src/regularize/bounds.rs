@@ -131,7 +131,7 @@ fn invert(masking: u32, coefficient: f32, tau: f32) -> f32 {
     if !(tau > 0.0) {
         return ALPHA_MAX;
     }
-    let root = sqrt(coefficient / tau.clamp(1e-12, TAU_MAX));
+    let root = sqrt(coefficient / tau.max(1e-12).min(TAU_MAX));
     let alpha = if masking == V_CAVITY {
         root
     } else {

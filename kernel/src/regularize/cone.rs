@@ -49,7 +49,7 @@ pub fn one_minus_cos_of_tau(tau: f32) -> f32 {
     if !(tau > 0.25 * FRAC_1_PI) {
         return WHOLE_SPHERE;
     }
-    (0.5 * FRAC_1_PI / tau).clamp(NARROWEST, WHOLE_SPHERE)
+    (0.5 * FRAC_1_PI / tau).max(NARROWEST).min(WHOLE_SPHERE)
 }
 
 /// Density of [`sample`] at the unit vector `w`.
@@ -70,7 +70,7 @@ pub fn eval(kind: u32, axis: Vec3, w: Vec3, one_minus_cos: f32) -> f32 {
 #[inline]
 pub fn sample(kind: u32, axis: Vec3, one_minus_cos: f32, u: Vec2) -> Vec3 {
     let p = mollifier::sample_2d(kind, u);
-    let cap = one_minus_cos.clamp(0.0, WHOLE_SPHERE);
+    let cap = one_minus_cos.max(0.0).min(WHOLE_SPHERE);
     let h = p.length_squared() * cap;
     // The disk point is at sqrt(h / cap), the direction's sine is sqrt(h (2 - h)).
     let scale = safe_sqrt(cap * (2.0 - h));

@@ -45,7 +45,7 @@ impl SamplerQuality {
     pub fn add(&mut self, rho: f32, rho_next: f32, d: f32) {
         let d = if d > 1e-18 { d } else { 1e-18 };
         // Root by root: the product of the bounds over d^2 overflows for mirrors.
-        let root = sqrt(rho.clamp(0.0, TAU_MAX)) * sqrt(rho_next.clamp(0.0, TAU_MAX)) / d;
+        let root = sqrt(rho.max(0.0).min(TAU_MAX)) * sqrt(rho_next.max(0.0).min(TAU_MAX)) / d;
         let value = if root < LARGEST {
             root * root
         } else {
@@ -83,8 +83,10 @@ pub fn quality_threshold(tau: f32, q: f32) -> f32 {
 /// Continuous and falling in q.
 #[inline]
 pub fn smooth_quality_threshold(tau: f32, q: f32, off: f32) -> f32 {
-    let off = off.clamp(0.0, 0.999);
-    let x = ((relative_quality(tau, q) - off) / (1.0 - off)).clamp(0.0, 1.0);
+    let off = off.max(0.0).min(0.999);
+    let x = ((relative_quality(tau, q) - off) / (1.0 - off))
+        .max(0.0)
+        .min(1.0);
     divide(tau, x * x * (3.0 - 2.0 * x))
 }
 
@@ -134,7 +136,7 @@ impl PathDiffusion {
     /// Equation 20: travels the distance `d`.
     #[inline]
     pub fn travel(&mut self, d: f32) {
-        let sum = self.position + self.direction * d.clamp(0.0, 1e15);
+        let sum = self.position + self.direction * d.max(0.0).min(1e15);
         self.position = if sum < LARGEST { sum } else { LARGEST };
     }
 }

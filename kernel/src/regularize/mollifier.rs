@@ -164,7 +164,7 @@ pub fn square_norm(kind: u32, dimensions: u32) -> f32 {
 #[inline]
 pub fn radial_cdf(kind: u32, dimensions: u32, t: f32) -> f32 {
     let d = clamp_dimensions(dimensions);
-    let t = t.clamp(0.0, 1.0);
+    let t = t.max(0.0).min(1.0);
     let a = coefficients(kind);
     let mut sum = 0.0;
     let mut j = 6;
@@ -184,7 +184,7 @@ pub fn radial_cdf(kind: u32, dimensions: u32, t: f32) -> f32 {
 #[inline]
 pub fn sample_radius(kind: u32, dimensions: u32, u: f32) -> f32 {
     let d = clamp_dimensions(dimensions);
-    let u = u.clamp(0.0, 1.0);
+    let u = u.max(0.0).min(1.0);
     if kind == CONSTANT {
         return match d {
             1 => u,
@@ -220,7 +220,9 @@ pub fn sample_radius(kind: u32, dimensions: u32, u: f32) -> f32 {
         };
         let density = sphere_surface(d) * volume * eval(kind, d, t);
         if density > 1e-6 {
-            t = (t + (u - radial_cdf(kind, d, t)) / density).clamp(low, high);
+            t = (t + (u - radial_cdf(kind, d, t)) / density)
+                .max(low)
+                .min(high);
         }
     }
     t

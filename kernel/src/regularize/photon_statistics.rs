@@ -166,7 +166,7 @@ impl PhotonStatistics {
         let n = self.passes.max(1.0);
         let power = pow(n, -1.0 / 6.0);
         let r = optimal_bandwidth(self.variance_coefficient(kind), self.laplacian, emitted * n);
-        r.clamp(least * power, largest.max(least) * power)
+        r.max(least * power).min(largest.max(least) * power)
     }
 
     /// r'_N, the radius of the Laplacian in the next pass (equation 5.18), between `least` and `largest` times
@@ -181,7 +181,7 @@ impl PhotonStatistics {
         }
         let variance = (self.laplacian_square - self.laplacian * self.laplacian).max(0.0);
         let r = DERIVATIVE_CONSTANT * sqrt(variance);
-        r.clamp(least, largest.max(least)) * power
+        r.max(least).min(largest.max(least)) * power
     }
 }
 

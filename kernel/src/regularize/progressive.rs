@@ -18,14 +18,14 @@ pub const OPTIMAL_ALPHA: f32 = 2.0 / 3.0;
 /// Equation 5.6: the radius of iteration `n`.
 #[inline]
 pub fn radius(initial: f32, n: u32, alpha: f32) -> f32 {
-    initial * pow(n.max(1) as f32, 0.5 * (alpha.clamp(0.0, 1.0) - 1.0))
+    initial * pow(n.max(1) as f32, 0.5 * (alpha.max(0.0).min(1.0) - 1.0))
 }
 
 /// Equation 5.5: the squared radius of iteration `n + 1` from that of iteration `n`.
 #[inline]
 pub fn next_squared_radius(squared_radius: f32, n: u32, alpha: f32) -> f32 {
     let n = n as f32;
-    squared_radius * ((n + alpha.clamp(0.0, 1.0)) / (n + 1.0))
+    squared_radius * ((n + alpha.max(0.0).min(1.0)) / (n + 1.0))
 }
 
 /// Statistics of a pixel after Hachisuka, Ogaki and Jensen 2008.
@@ -56,7 +56,7 @@ impl ProgressivePixel {
             return;
         }
         let m = found as f32;
-        let kept = self.photons + alpha.clamp(0.0, 1.0) * m;
+        let kept = self.photons + alpha.max(0.0).min(1.0) * m;
         let shrink = kept / (self.photons + m);
         self.flux = (self.flux + flux) * shrink;
         self.radius *= sqrt(shrink);

@@ -65,7 +65,7 @@ pub mod fov_axis {
 pub fn half_extents(fov_degrees: f32, axis: u32, width: u32, height: u32) -> (f32, f32) {
     let w = if width > 0 { width as f32 } else { 1.0 };
     let h = if height > 0 { height as f32 } else { 1.0 };
-    let t = float::tan(0.5 * fov_degrees.clamp(1e-3, 179.999).to_radians());
+    let t = float::tan(0.5 * fov_degrees.max(1e-3).min(179.999).to_radians());
     let along_height = axis == fov_axis::Y
         || (axis == fov_axis::SMALLER && h < w)
         || (axis == fov_axis::LARGER && h > w);

@@ -91,7 +91,7 @@ impl TriangleHit {
 }
 
 /// The intersection with `t_min < t < t_max`. Degenerate triangles and NaN vertices are missed.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn intersect_triangle(
     ray: &ShearedRay,
     p0: Vec3,
@@ -160,7 +160,7 @@ pub fn plane_distance(origin: Vec3, direction: Vec3, p0: Vec3, p1: Vec3, p2: Vec
 
 /// The nearest ray parameter in `(t_min, t_max)` on a canonical quadric, [`f32::MAX`] for a miss. The origin and the
 /// direction are in object space, the direction of any length but zero.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn intersect_quadric(kind: u32, origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> f32 {
     if kind == quadric_kind::SPHERE {
         intersect_sphere(origin, direction, t_min, t_max)
@@ -219,11 +219,11 @@ fn intersect_cylinder(origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> 
         1.0 - closest.length_squared(),
     );
     let z = origin.z + near * direction.z;
-    if near > t_min && near < t_max && (0.0..=1.0).contains(&z) {
+    if near > t_min && near < t_max && z >= 0.0 && z <= 1.0 {
         return near;
     }
     let z = origin.z + far * direction.z;
-    if far > t_min && far < t_max && (0.0..=1.0).contains(&z) {
+    if far > t_min && far < t_max && z >= 0.0 && z <= 1.0 {
         far
     } else {
         f32::MAX

@@ -93,7 +93,7 @@ pub fn quadric_point_with<const DETAIL: u32>(
     } else if kind == quadric_kind::DISK {
         disk(cos_phi, sin_phi, Vec2::new(rho.min(1.0), azimuth))
     } else {
-        cylinder(cos_phi, sin_phi, Vec2::new(azimuth, p.z.clamp(0.0, 1.0)))
+        cylinder(cos_phi, sin_phi, Vec2::new(azimuth, p.z.max(0.0).min(1.0)))
     };
     to_group::<DETAIL>(tables, quadric, canonical)
 }

@@ -149,9 +149,13 @@ fn attribute(tables: &Tables<'_>, texture: &Texture, place: Place) -> Rgb {
     }
     let vertices = tables.triangles[place.primitive as usize].vertices;
     let (b1, b2) = (place.barycentric.x, place.barycentric.y);
-    attribute_value(tables, first, channels, vertices[0].wrapping_sub(base)) * (1.0 - b1 - b2)
-        + attribute_value(tables, first, channels, vertices[1].wrapping_sub(base)) * b1
-        + attribute_value(tables, first, channels, vertices[2].wrapping_sub(base)) * b2
+    let weights = [1.0 - b1 - b2, b1, b2];
+    let mut sum = Vec3::ZERO;
+    for i in 0..3 {
+        sum +=
+            attribute_value(tables, first, channels, vertices[i].wrapping_sub(base)) * weights[i];
+    }
+    sum
 }
 
 #[inline]
@@ -179,10 +183,10 @@ fn bitmap(tables: &Tables<'_>, texture: &Texture, uv: Vec2) -> Rgb {
         );
         return texel(tables, texture, x, y);
     }
-    let patch = patch(tables, texture, p);
-    let low = patch.c00 + (patch.c10 - patch.c00) * patch.f.x;
-    let high = patch.c01 + (patch.c11 - patch.c01) * patch.f.x;
-    low + (high - low) * patch.f.y
+    let (c, f) = patch(tables, texture, p);
+    let low = c[0] + (c[1] - c[0]) * f.x;
+    let high = c[2] + (c[3] - c[2]) * f.x;
+    low + (high - low) * f.y
 }
 
 /// Luminance gradient of a bitmap, times `factor` per channel, in transformed coordinates.
@@ -190,29 +194,21 @@ fn bitmap_gradient(tables: &Tables<'_>, texture: &Texture, uv: Vec2, factor: Rgb
     if texture.data[4] == filter_mode::NEAREST {
         return Vec2::ZERO;
     }
-    let patch = patch(tables, texture, fold(uv, texture.data[5]));
-    let h00 = luminance(patch.c00 * factor);
-    let h10 = luminance(patch.c10 * factor);
-    let h01 = luminance(patch.c01 * factor);
-    let h11 = luminance(patch.c11 * factor);
+    let (c, f) = patch(tables, texture, fold(uv, texture.data[5]));
+    let h00 = luminance(c[0] * factor);
+    let h10 = luminance(c[1] * factor);
+    let h01 = luminance(c[2] * factor);
+    let h11 = luminance(c[3] * factor);
     // One texel is 1/w wide: differences between texels count w times.
     Vec2::new(
-        float::lerp(h10 - h00, h11 - h01, patch.f.y) * texture.data[1] as f32,
-        float::lerp(h01 - h00, h11 - h10, patch.f.x) * texture.data[2] as f32,
+        float::lerp(h10 - h00, h11 - h01, f.y) * texture.data[1] as f32,
+        float::lerp(h01 - h00, h11 - h10, f.x) * texture.data[2] as f32,
     )
 }
 
-/// Four texels and the position between them.
-struct Patch {
-    c00: Rgb,
-    c10: Rgb,
-    c01: Rgb,
-    c11: Rgb,
-    f: Vec2,
-}
-
+/// Four texels, row by row, and the position between them.
 #[inline]
-fn patch(tables: &Tables<'_>, texture: &Texture, p: Vec2) -> Patch {
+fn patch(tables: &Tables<'_>, texture: &Texture, p: Vec2) -> ([Rgb; 4], Vec2) {
     let (width, height, wrap) = (
         texture.data[1] as i32,
         texture.data[2] as i32,
@@ -221,17 +217,17 @@ fn patch(tables: &Tables<'_>, texture: &Texture, p: Vec2) -> Patch {
     let x = p.x * width as f32 - 0.5;
     let y = p.y * height as f32 - 0.5;
     let (floor_x, floor_y) = (float::floor(x), float::floor(y));
-    let x0 = wrap_index(floor_x as i32, width, wrap);
-    let y0 = wrap_index(floor_y as i32, height, wrap);
-    let x1 = wrap_index(floor_x as i32 + 1, width, wrap);
-    let y1 = wrap_index(floor_y as i32 + 1, height, wrap);
-    Patch {
-        c00: texel(tables, texture, x0, y0),
-        c10: texel(tables, texture, x1, y0),
-        c01: texel(tables, texture, x0, y1),
-        c11: texel(tables, texture, x1, y1),
-        f: Vec2::new(x - floor_x, y - floor_y),
+    let mut corners = [Vec3::ZERO; 4];
+    // A loop, because shader compilers copy what is called four times in a row.
+    for i in 0..4 {
+        corners[i] = texel(
+            tables,
+            texture,
+            wrap_index(floor_x as i32 + (i & 1) as i32, width, wrap),
+            wrap_index(floor_y as i32 + (i >> 1) as i32, height, wrap),
+        );
     }
+    (corners, Vec2::new(x - floor_x, y - floor_y))
 }
 
 /// Brings coordinates near the unit square, so that [`wrap_index`] needs no division: the period of repetition is 1,
@@ -251,7 +247,7 @@ fn fold_axis(u: f32, wrap: u32) -> f32 {
     } else if wrap == wrap_mode::MIRROR {
         u - 2.0 * float::floor(0.5 * u)
     } else {
-        u.clamp(-2.0, 3.0)
+        u.max(-2.0).min(3.0)
     }
 }
 

@@ -9,7 +9,7 @@ pub mod direct;
 pub mod path;
 pub mod visibility;
 
-use crate::math::Rgb;
+use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
 use crate::scene::{SceneView, Traverse, camera};
 
@@ -71,15 +71,25 @@ pub fn sample_pixel<T: Traverse, S: Sampler>(
     sampler: &mut S,
     pixel: [u32; 2],
 ) -> Rgb {
+    sample_pixel_with(view, sampler, pixel, |sampler, ray| match settings.kind {
+        integrator_kind::DIRECT => direct::radiance(view, settings, sampler, ray),
+        integrator_kind::AMBIENT_OCCLUSION => {
+            ambient_occlusion::radiance(view, settings, sampler, ray)
+        }
+        _ => path::radiance(view, settings, sampler, ray),
+    })
+}
+
+/// [`sample_pixel`] by a given algorithm: a shader holds one of them only.
+#[inline]
+pub fn sample_pixel_with<T: Traverse, S: Sampler>(
+    view: &SceneView<'_, T>,
+    sampler: &mut S,
+    pixel: [u32; 2],
+    radiance: impl FnOnce(&mut S, &Ray) -> Rgb,
+) -> Rgb {
     let u_film = sampler.next_2d();
     let u_lens = sampler.next_2d();
     let sample = camera::sample_ray(&view.tables, pixel, u_film, u_lens);
-    let radiance = match settings.kind {
-        integrator_kind::DIRECT => direct::radiance(view, settings, sampler, &sample.ray),
-        integrator_kind::AMBIENT_OCCLUSION => {
-            ambient_occlusion::radiance(view, settings, sampler, &sample.ray)
-        }
-        _ => path::radiance(view, settings, sampler, &sample.ray),
-    };
-    radiance * sample.weight
+    radiance(sampler, &sample.ray) * sample.weight
 }

@@ -1,6 +1,7 @@
 //! `halflight render`: a scene file to an EXR and a PNG.
 
 use super::scene_args::{SceneArgs, build_accel};
+use crate::accel::Accel;
 use crate::aov::{Aov, AovSet};
 use crate::checkpoint::{Progress, Settings, load_checkpoint, save_checkpoint};
 use crate::exr_output::{LayeredImage, write_exr};
@@ -76,11 +77,51 @@ pub struct RenderArgs {
     pub half: bool,
 }
 
-/// Runs the command.
+/// Runs the command on the processor's threads.
 ///
 /// # Errors
 /// What keeps the image from being made or written, in one sentence.
 pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    run_with(args, quiet, |job, film, state, stop, observer| {
+        render(
+            job.scene,
+            job.accel,
+            job.options,
+            film,
+            state,
+            stop,
+            observer,
+        )
+    })
+}
+
+/// What is to be rendered.
+#[derive(Clone, Copy)]
+pub struct Job<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its ray tracer.
+    pub accel: &'a Accel,
+    /// Goal, seed and first sample.
+    pub options: &'a RenderOptions,
+}
+
+/// Runs the command with another way of rendering, called once: it may build what it needs first and then calls
+/// [`crate::render::render_with`].
+///
+/// # Errors
+/// What keeps the image from being made or written, in one sentence. What was rendered before an error is written.
+pub fn run_with(
+    args: &RenderArgs,
+    quiet: bool,
+    render: impl FnOnce(
+        Job<'_>,
+        &mut Film,
+        &mut RunState,
+        &AtomicBool,
+        &mut dyn Observer,
+    ) -> Result<Outcome, Box<dyn Error + Send + Sync>>,
+) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let output = args.output_path()?;
     if let Some(threads) = args.threads {
         rayon::ThreadPoolBuilder::new()
@@ -142,9 +183,11 @@ pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + S
         }),
     };
     let outcome = render(
-        &scene,
-        &accel,
-        &options,
+        Job {
+            scene: &scene,
+            accel: &accel,
+            options: &options,
+        },
         &mut film,
         &mut state,
         &stop,
@@ -157,7 +200,16 @@ pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + S
     {
         checkpoint.save(&state, &film)?;
     }
-    let outcome = outcome?;
+    let outcome = match outcome {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            if film.total_samples() > 0 {
+                args.write(&output, &scene, &film, &options, &state)?;
+                tracing::warn!("{} holds what was rendered before", output.display());
+            }
+            return Err(error);
+        }
+    };
     if film.total_rejected() > 0 {
         tracing::warn!(
             "{} of {} samples were not finite and count as black",

@@ -66,7 +66,7 @@ pub fn sample_visible_normal(w: Vec3, u: Vec2) -> Vec3 {
     if sin < 1e-7 {
         return Vec3::new(-gaussian, -across, 1.0);
     }
-    let along = visible_slope(u.x.clamp(1e-9, 0.999_999_94), gaussian, cos, sin);
+    let along = visible_slope(u.x.max(1e-9).min(0.999_999_94), gaussian, cos, sin);
     let (c, s) = (w.x / sin, w.y / sin);
     Vec3::new(-(c * along - s * across), -(s * along + c * across), 1.0)
 }
@@ -87,7 +87,7 @@ fn visible_slope(u: f32, gaussian: f32, cos: f32, sin: f32) -> f32 {
             break;
         }
         let step = ln(target / area) * area / density;
-        x = (x + step).clamp(start, end);
+        x = (x + step).max(start).min(end);
         // Newton's method squares the error: the next one would be below a rounding error.
         if abs(step) < 1e-4 {
             break;

@@ -12,6 +12,7 @@
 //!
 //! `t^p` has a Gamma distribution of shape `1/p`, so slopes are sampled by inverting the incomplete Gamma function.
 
+use crate::math::entry;
 use crate::math::float::{
     exp, gamma_1p, inverse_gamma_distribution, ln, pow, safe_sqrt, sin_cos, sqr,
 };
@@ -26,7 +27,7 @@ pub const EXPONENT_MAX: f32 = 5.0;
 /// The exponent within the domain.
 #[inline]
 pub fn clamp_exponent(p: f32) -> f32 {
-    p.clamp(EXPONENT_MIN, EXPONENT_MAX)
+    p.max(EXPONENT_MIN).min(EXPONENT_MAX)
 }
 
 /// `D(m)` for `m.z > 0`.
@@ -84,12 +85,12 @@ pub fn projected_area(cos: f32, spread: f32, exponent: f32) -> f32 {
     if cos >= 400.0 * grazing {
         return cos;
     }
-    cos + grazing * masked_share(cos / grazing, p).clamp(0.0, 1.0)
+    cos + grazing * masked_share(cos / grazing, p).max(0.0).min(1.0)
 }
 
 /// `g(a) / g(0)` at `y = a / g(0)`: a product of Chebyshev polynomials in `z = y / (y + 4)` and `ln p`, both mapped to
 /// [-1, 1], interpolating values by quadrature.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 fn masked_share(y: f32, p: f32) -> f32 {
     const IN_Y: usize = 20;
     const IN_P: usize = 8;
@@ -129,11 +130,11 @@ fn masked_share(y: f32, p: f32) -> f32 {
         let mut column = IN_P;
         while column > 1 {
             column -= 1;
-            let a0 = C[row * IN_P + column] + 2.0 * v * a1 - a2;
+            let a0 = entry(C, row * IN_P + column) + 2.0 * v * a1 - a2;
             a2 = a1;
             a1 = a0;
         }
-        let coefficient = C[row * IN_P] + v * a1 - a2;
+        let coefficient = entry(C, row * IN_P) + v * a1 - a2;
         if row > 0 {
             let b0 = coefficient + 2.0 * u * b1 - b2;
             b2 = b1;

@@ -44,7 +44,7 @@ pub fn facing_area(w: Vec3, m: Vec3) -> f32 {
 
 /// A slope of length `radius` at an azimuth in proportion to the area that it turns towards `w`, in the units to which
 /// `w` is stretched (not normalised); `u` is uniform. Returns the normal's `m.xy / m.z`.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn sample_azimuth(w: Vec3, radius: f32, u: f32) -> Vec2 {
     let across = safe_sqrt(w.x * w.x + w.y * w.y);
     let (c, s) = if across > 0.0 {
@@ -116,7 +116,7 @@ fn azimuth(a: f32, z: f32, target: f32) -> f32 {
             break;
         }
         let step = (value - target) / density;
-        phi = (phi - step).clamp(start, end);
+        phi = (phi - step).max(start).min(end);
         if abs(step) < 1e-6 * phi {
             break;
         }

@@ -115,7 +115,7 @@ fn projector(tables: &Tables<'_>, record: &Emitter, local: Vec3) -> Rgb {
         0.5 - 0.5 * local.y / (local.z * tan_y),
     );
     // Unequal also where it is not a number.
-    if uv != uv.clamp(Vec2::ZERO, Vec2::ONE) {
+    if uv != uv.max(Vec2::ZERO).min(Vec2::ONE) {
         return Vec3::ZERO;
     }
     let cos_theta = local.z / local.length();

@@ -203,8 +203,8 @@ fn cell(emitter: &Emitter, uv: Vec2) -> (u32, u32) {
     let x = uv.x * w - 0.5;
     let x = if x < 0.0 { x + w } else { x };
     (
-        float::floor(x.clamp(0.0, w - 1.0)) as u32,
-        float::floor((uv.y * h).clamp(0.0, h - 1.0)) as u32,
+        float::floor(x.max(0.0).min(w - 1.0)) as u32,
+        float::floor((uv.y * h).max(0.0).min(h - 1.0)) as u32,
     )
 }
 

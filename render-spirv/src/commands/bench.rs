@@ -1,0 +1,83 @@
+//! `halflight-gpu bench`: the speed of a device on a scene, beside that of the processor.
+
+use super::{DeviceArgs, check_validation};
+use crate::sampling::DeviceSampling;
+use clap::Args;
+use halflight::aov::AovSet;
+use halflight::commands::scene_args::{SceneArgs, build_accel};
+use halflight::film::Film;
+use halflight::render::{Goal, RenderOptions, Sampling, ThreadSampling};
+use std::error::Error;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Measure a scene on a Vulkan device and on the processor.
+#[derive(Args, Clone, Debug)]
+pub struct BenchArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The device.
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// Seconds to measure each for.
+    #[arg(long, value_name = "S", default_value_t = 5.0)]
+    pub seconds: f64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the scene or the device cannot be used.
+pub fn run(args: &BenchArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    let device = args.device.open()?;
+    let scene = args.scene.load()?;
+    let accel = build_accel(&scene);
+    let options = RenderOptions {
+        goal: Goal::Samples(u32::MAX),
+        seed: 0,
+        first_sample: 0,
+        adaptive: false,
+    };
+    let start = Instant::now();
+    let mut sampling = DeviceSampling::new(&device, &scene, &accel, &options, false)?;
+    let ready = start.elapsed().as_secs_f64();
+    let [width, height] = scene.tables.camera.crop_size;
+    let measure = |sampling: &mut dyn Sampling| {
+        let mut film = Film::new(width, height, [0, 0], AovSet::NONE)?;
+        // The first pass finds the size of the slices.
+        sampling.pass(&mut film, 1, None)?;
+        let before = film.total_samples();
+        let start = Instant::now();
+        while start.elapsed().as_secs_f64() < args.seconds {
+            sampling.pass(&mut film, 1, None)?;
+        }
+        let samples = film.total_samples() - before;
+        Ok::<f64, Box<dyn Error + Send + Sync>>(samples as f64 / start.elapsed().as_secs_f64())
+    };
+    let on_device = measure(&mut sampling)?;
+    let on_cpu = measure(&mut ThreadSampling {
+        scene: &scene,
+        accel: &accel,
+        options: &options,
+    })?;
+    let name = &device.description().name;
+    println!("{}", args.scene.scene.display());
+    println!(
+        "  {width} x {height}, {} triangles",
+        scene.tables.triangles.len()
+    );
+    println!(
+        "  {name}: {:.3} Msamples/s, {:.1} MiB of scene, ready in {ready:.2} s",
+        on_device * 1e-6,
+        sampling.scene_bytes() as f64 / f64::from(1 << 20)
+    );
+    println!(
+        "  processor, {} threads: {:.3} Msamples/s",
+        rayon::current_num_threads(),
+        on_cpu * 1e-6
+    );
+    println!("  ratio {:.2}", on_device / on_cpu);
+    check_validation(&device)?;
+    Ok(ExitCode::SUCCESS)
+}

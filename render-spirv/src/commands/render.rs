@@ -1,0 +1,47 @@
+//! `halflight-gpu render`: what `halflight render` does, on a Vulkan device.
+
+use super::{DeviceArgs, check_validation};
+use crate::sampling::DeviceSampling;
+use clap::Args;
+use halflight::commands::render::{RenderArgs, run_with};
+use halflight::render::render_with;
+use std::error::Error;
+use std::process::ExitCode;
+
+/// Render a scene on a Vulkan device.
+#[derive(Args, Clone, Debug)]
+pub struct GpuRenderArgs {
+    /// What to render.
+    #[command(flatten)]
+    pub render: RenderArgs,
+    /// Where to render it.
+    #[command(flatten)]
+    pub device: DeviceArgs,
+    /// Behave as if the device were lost after N samples per pixel, to see what is kept.
+    #[arg(long, value_name = "N", hide = true)]
+    pub simulate_device_loss: Option<u32>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What keeps the image from being made or written, in one sentence. What was rendered before is written.
+pub fn run(args: &GpuRenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    // Before the scene is read, which may take a while.
+    let device = args.device.open()?;
+    let code = run_with(&args.render, quiet, |job, film, state, stop, observer| {
+        let mut sampling = DeviceSampling::new(
+            &device,
+            job.scene,
+            job.accel,
+            job.options,
+            film.aovs().needs_surface(),
+        )?;
+        if let Some(layers) = args.simulate_device_loss {
+            sampling.simulate_loss_after(layers);
+        }
+        render_with(&mut sampling, job.options, film, state, stop, observer)
+    })?;
+    check_validation(&device)?;
+    Ok(code)
+}

@@ -236,7 +236,7 @@ impl Device {
     /// A buffer in device memory that holds `table`, copied there through staging memory.
     ///
     /// # Errors
-    /// See [`Device::create_buffer`] and [`Device::submit`].
+    /// As [`Device::create_buffer`], or if the copy fails.
     pub fn upload<T: NoUninit>(
         self: &Arc<Self>,
         what: &str,

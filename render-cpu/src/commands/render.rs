@@ -218,6 +218,9 @@ pub fn run_with(
         );
     }
     args.write(&output, &scene, &film, &options, &state)?;
+    if !quiet {
+        args.report(&output, &state);
+    }
     match outcome {
         Outcome::Finished => {
             if let Some(checkpoint) = &mut observer.checkpoint {
@@ -371,6 +374,17 @@ impl RenderArgs {
             tracing::info!("wrote {}", png.display());
         }
         Ok(())
+    }
+
+    /// The last line of a run: where the image is and what it took.
+    fn report(&self, output: &Path, state: &RunState) {
+        eprintln!(
+            "{}{}: {} samples per pixel in {:.1} s",
+            output.display(),
+            if self.no_png { "" } else { " and .png" },
+            state.samples,
+            state.seconds
+        );
     }
 }
 

@@ -1,10 +1,10 @@
 //! The command `halflight`.
 
 use clap::{Parser, Subcommand};
+use halflight::commands::terminal::{self, Verbosity};
 use halflight::commands::{compare, experiment, info, material, merge, render};
 use std::error::Error;
 use std::process::ExitCode;
-use tracing_subscriber::filter::LevelFilter;
 
 /// Renders Mitsuba scenes: light that other renderers lose.
 #[derive(Parser)]
@@ -12,12 +12,8 @@ use tracing_subscriber::filter::LevelFilter;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Print nothing but errors.
-    #[arg(long, short, global = true, conflicts_with = "verbose")]
-    quiet: bool,
-    /// Print what is done; twice for details.
-    #[arg(long, short, global = true, action = clap::ArgAction::Count)]
-    verbose: u8,
+    #[command(flatten)]
+    verbosity: Verbosity,
 }
 
 #[derive(Subcommand)]
@@ -38,32 +34,14 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let level = match (cli.quiet, cli.verbose) {
-        (true, _) => LevelFilter::ERROR,
-        (false, 0) => LevelFilter::WARN,
-        (false, 1) => LevelFilter::INFO,
-        (false, _) => LevelFilter::DEBUG,
-    };
-    tracing_subscriber::fmt()
-        .with_max_level(level)
-        .with_target(false)
-        .without_time()
-        .with_writer(std::io::stderr)
-        .init();
-    match run(cli) {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    terminal::run(cli.verbosity, || run(cli))
 }
 
 fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     match cli.command {
-        Command::Render(args) => render::run(&args, cli.quiet),
+        Command::Render(args) => render::run(&args, cli.verbosity.quiet),
         Command::Info(args) => info::run(&args),
-        Command::Material(args) => material::run(&args, cli.quiet),
+        Command::Material(args) => material::run(&args, cli.verbosity.quiet),
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),
         Command::Experiment(args) => Ok(experiment::run(&args)?),

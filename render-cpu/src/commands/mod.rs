@@ -6,4 +6,6 @@ pub mod info;
 pub mod material;
 pub mod merge;
 pub mod render;
+mod render_values;
 pub mod scene_args;
+pub mod terminal;

@@ -1,0 +1,43 @@
+//! What the commands of both front ends have in common on a terminal: how much they say, and how they fail.
+
+use clap::Args;
+use std::error::Error;
+use std::process::ExitCode;
+use tracing_subscriber::filter::LevelFilter;
+
+/// How much is said on standard error.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Verbosity {
+    /// Print nothing but errors.
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Print what is done; twice for details.
+    #[arg(long, short, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
+
+/// Runs a command; an error becomes one line on standard error and exit code 1.
+pub fn run(
+    verbosity: Verbosity,
+    command: impl FnOnce() -> Result<ExitCode, Box<dyn Error + Send + Sync>>,
+) -> ExitCode {
+    let level = match (verbosity.quiet, verbosity.verbose) {
+        (true, _) => LevelFilter::ERROR,
+        (false, 0) => LevelFilter::WARN,
+        (false, 1) => LevelFilter::INFO,
+        (false, _) => LevelFilter::DEBUG,
+    };
+    tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_target(false)
+        .without_time()
+        .with_writer(std::io::stderr)
+        .init();
+    match command() {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -6,6 +6,8 @@ pub mod info;
 pub mod material;
 pub mod merge;
 pub mod render;
+mod render_observer;
+mod render_output;
 mod render_values;
 pub mod scene_args;
 pub mod terminal;

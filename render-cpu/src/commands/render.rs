@@ -1,21 +1,20 @@
 //! `halflight render`: a scene file to an EXR and a PNG.
 
+use super::render_observer::{Checkpoint, RunObserver};
+pub use super::render_output::sampler_name;
 use super::render_values::{parse_aov, parse_duration, parse_exposure, parse_range};
 use super::scene_args::{SceneArgs, build_accel};
 use crate::accel::Accel;
 use crate::aov::{Aov, AovSet};
-use crate::checkpoint::{Progress, Settings, load_checkpoint, save_checkpoint};
-use crate::exr_output::{LayeredImage, write_exr};
+use crate::checkpoint::{Settings, load_checkpoint};
 use crate::film::Film;
-use crate::image_metadata::{ImageMetadata, SampleRange};
-use crate::png_output::{Exposure, write_png};
+use crate::png_output::Exposure;
 use crate::progress::ProgressReport;
 use crate::render::{Goal, Observer, Outcome, RenderOptions, RunState, render};
 use crate::scene::build::Scene;
 use clap::Args;
-use halflight_kernel::sampler::sampler_kind;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -175,13 +174,8 @@ pub fn run_with(
     let checkpoint = args.checkpoint.clone().or_else(|| args.resume.clone());
     let mut observer = RunObserver {
         report: ProgressReport::new(options.goal, state, quiet),
-        checkpoint: checkpoint.map(|path| Checkpoint {
-            path,
-            settings,
-            saved: Instant::now(),
-            interval: args.checkpoint_interval,
-            passes: state.passes,
-        }),
+        checkpoint: checkpoint
+            .map(|path| Checkpoint::new(path, settings, args.checkpoint_interval, &state)),
     };
     let outcome = render(
         Job {
@@ -241,42 +235,6 @@ pub fn run_with(
 }
 
 impl RenderArgs {
-    /// Where the image goes; found out before rendering, so that a bad name costs nothing.
-    fn output_path(&self) -> Result<PathBuf, String> {
-        let output = match &self.output {
-            Some(path) => path.clone(),
-            None => {
-                let stem = self
-                    .scene
-                    .scene
-                    .file_stem()
-                    .ok_or_else(|| format!("{} names no file", self.scene.scene.display()))?;
-                PathBuf::from(stem).with_extension("exr")
-            }
-        };
-        if output
-            .extension()
-            .is_none_or(|e| !e.eq_ignore_ascii_case("exr"))
-        {
-            return Err(format!(
-                "{}: the image is an OpenEXR file; its name ends in .exr",
-                output.display()
-            ));
-        }
-        let folder = match output.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        if !folder.is_dir() {
-            return Err(format!(
-                "{}: there is no folder {}",
-                output.display(),
-                folder.display()
-            ));
-        }
-        Ok(output)
-    }
-
     fn options(&self, scene: &Scene) -> RenderOptions {
         let (first_sample, count) = match self.samples {
             Some((from, to)) => (from, to - from),
@@ -330,122 +288,6 @@ impl RenderArgs {
             aovs.iter().map(Aov::name).collect::<Vec<_>>().join(","),
         );
         Ok(settings)
-    }
-
-    fn write(
-        &self,
-        output: &Path,
-        scene: &Scene,
-        film: &Film,
-        options: &RenderOptions,
-        state: &RunState,
-    ) -> Result<(), Box<dyn Error + Send + Sync>> {
-        let most = film.statistics().iter().map(|p| p.count).max().unwrap_or(0);
-        let metadata = ImageMetadata {
-            scene: self
-                .scene
-                .scene
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
-            integrator: scene.integrator.clone(),
-            sampler: sampler_name(scene.sampler).to_string(),
-            software: concat!("halflight ", env!("CARGO_PKG_VERSION")).to_string(),
-            spp: film.total_samples() as f64 / film.statistics().len() as f64,
-            sample_ranges: vec![SampleRange {
-                seed: options.seed.into(),
-                from: options.first_sample,
-                to: options.first_sample + most,
-            }],
-            render_seconds: state.seconds,
-        };
-        let image = LayeredImage::from_film(film, scene.tables.camera.film_size, metadata);
-        write_exr(output, &image, self.half)?;
-        tracing::info!("wrote {}", output.display());
-        if !self.no_png {
-            let png = output.with_extension("png");
-            write_png(
-                &png,
-                film.width(),
-                film.height(),
-                &film.mean(),
-                self.exposure,
-            )?;
-            tracing::info!("wrote {}", png.display());
-        }
-        Ok(())
-    }
-
-    /// The last line of a run: where the image is and what it took.
-    fn report(&self, output: &Path, state: &RunState) {
-        eprintln!(
-            "{}{}: {} samples per pixel in {:.1} s",
-            output.display(),
-            if self.no_png { "" } else { " and .png" },
-            state.samples,
-            state.seconds
-        );
-    }
-}
-
-/// Name of a sampler in metadata.
-pub fn sampler_name(kind: u32) -> &'static str {
-    if kind == sampler_kind::SOBOL {
-        "sobol"
-    } else {
-        "independent"
-    }
-}
-
-/// Reports progress and saves checkpoints between passes.
-struct RunObserver {
-    report: ProgressReport,
-    checkpoint: Option<Checkpoint>,
-}
-
-struct Checkpoint {
-    path: PathBuf,
-    settings: Settings,
-    saved: Instant,
-    interval: Duration,
-    passes: u32,
-}
-
-impl Checkpoint {
-    fn save(&mut self, state: &RunState, film: &Film) -> Result<(), Box<dyn Error + Send + Sync>> {
-        if self.passes == state.passes {
-            return Ok(());
-        }
-        let progress = Progress {
-            settings: self.settings.clone(),
-            passes: state.passes,
-            next_sample: state.samples,
-            render_seconds: state.seconds,
-        };
-        save_checkpoint(&self.path, &progress, film)?;
-        self.saved = Instant::now();
-        self.passes = state.passes;
-        Ok(())
-    }
-}
-
-impl Observer for RunObserver {
-    fn after_pass(
-        &mut self,
-        state: &RunState,
-        film: &Film,
-    ) -> Result<(), Box<dyn Error + Send + Sync>> {
-        self.report.update(state, film);
-        if let Some(checkpoint) = &mut self.checkpoint
-            && checkpoint.saved.elapsed() >= checkpoint.interval
-            && let Err(error) = checkpoint.save(state, film)
-        {
-            // A full disk now may be free again at the end; the film in memory is not given up for it.
-            tracing::warn!("no checkpoint was saved: {error}");
-            checkpoint.saved = Instant::now();
-        }
-        Ok(())
     }
 }
 

@@ -45,12 +45,14 @@ pub enum VulkanError {
         limit: u64,
     },
     /// Neither the device nor the host has room.
-    #[error("{device} has no room for {bytes} bytes of {what}")]
+    #[error("{device} has no room for {bytes} bytes of {what}; {used} bytes are in use here")]
     OutOfMemory {
         /// What the buffer holds.
         what: String,
         /// Its size.
         bytes: u64,
+        /// Bytes of all other buffers.
+        used: u64,
         /// Name of the device.
         device: String,
     },

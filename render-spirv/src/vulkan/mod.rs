@@ -1,13 +1,18 @@
 //! As much of Vulkan as compute shaders over storage buffers need.
 //!
-//! All unsafe code of the crate lives in [`instance`] and [`device`]; what they hand out is safe to use: objects keep
+//! All unsafe code of the crate lives in this module; what its files hand out is safe to use: objects keep
 //! their device alive, and no buffer is touched by the host while a submission runs, because every submission is waited
 //! for before the call returns.
 
 pub mod device;
 pub mod error;
 pub mod instance;
+pub mod memory;
+pub mod pipeline;
+mod submission;
 
-pub use device::{Buffer, Device, Memory, Pipeline};
+pub use device::Device;
 pub use error::VulkanError;
 pub use instance::{DeviceDescription, DeviceKind, Instance};
+pub use memory::{Buffer, Memory};
+pub use pipeline::Pipeline;

@@ -1,0 +1,116 @@
+//! Where the image of `halflight render` goes, and what is written there.
+
+use super::render::RenderArgs;
+use crate::exr_output::{LayeredImage, write_exr};
+use crate::film::Film;
+use crate::image_metadata::{ImageMetadata, SampleRange};
+use crate::png_output::write_png;
+use crate::render::{RenderOptions, RunState};
+use crate::scene::build::Scene;
+use halflight_kernel::sampler::sampler_kind;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+impl RenderArgs {
+    /// Where the image goes; found out before rendering, so that a bad name costs nothing.
+    pub(super) fn output_path(&self) -> Result<PathBuf, String> {
+        let output = match &self.output {
+            Some(path) => path.clone(),
+            None => {
+                let stem = self
+                    .scene
+                    .scene
+                    .file_stem()
+                    .ok_or_else(|| format!("{} names no file", self.scene.scene.display()))?;
+                PathBuf::from(stem).with_extension("exr")
+            }
+        };
+        if output
+            .extension()
+            .is_none_or(|e| !e.eq_ignore_ascii_case("exr"))
+        {
+            return Err(format!(
+                "{}: the image is an OpenEXR file; its name ends in .exr",
+                output.display()
+            ));
+        }
+        let folder = match output.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(format!(
+                "{}: there is no folder {}",
+                output.display(),
+                folder.display()
+            ));
+        }
+        Ok(output)
+    }
+
+    /// Writes the EXR and the PNG.
+    pub(super) fn write(
+        &self,
+        output: &Path,
+        scene: &Scene,
+        film: &Film,
+        options: &RenderOptions,
+        state: &RunState,
+    ) -> Result<(), Box<dyn Error + Send + Sync>> {
+        let most = film.statistics().iter().map(|p| p.count).max().unwrap_or(0);
+        let metadata = ImageMetadata {
+            scene: self
+                .scene
+                .scene
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            integrator: scene.integrator.clone(),
+            sampler: sampler_name(scene.sampler).to_string(),
+            software: concat!("halflight ", env!("CARGO_PKG_VERSION")).to_string(),
+            spp: film.total_samples() as f64 / film.statistics().len() as f64,
+            sample_ranges: vec![SampleRange {
+                seed: options.seed.into(),
+                from: options.first_sample,
+                to: options.first_sample + most,
+            }],
+            render_seconds: state.seconds,
+        };
+        let image = LayeredImage::from_film(film, scene.tables.camera.film_size, metadata);
+        write_exr(output, &image, self.half)?;
+        tracing::info!("wrote {}", output.display());
+        if !self.no_png {
+            let png = output.with_extension("png");
+            write_png(
+                &png,
+                film.width(),
+                film.height(),
+                &film.mean(),
+                self.exposure,
+            )?;
+            tracing::info!("wrote {}", png.display());
+        }
+        Ok(())
+    }
+
+    /// The last line of a run: where the image is and what it took.
+    pub(super) fn report(&self, output: &Path, state: &RunState) {
+        eprintln!(
+            "{}{}: {} samples per pixel in {:.1} s",
+            output.display(),
+            if self.no_png { "" } else { " and .png" },
+            state.samples,
+            state.seconds
+        );
+    }
+}
+
+/// Name of a sampler in metadata.
+pub fn sampler_name(kind: u32) -> &'static str {
+    if kind == sampler_kind::SOBOL {
+        "sobol"
+    } else {
+        "independent"
+    }
+}

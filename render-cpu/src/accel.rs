@@ -1,13 +1,14 @@
 //! The ray tracer of the CPU front end: obvhs's compressed eight-wide trees, one per group of primitives.
 //!
 //! Group 0 is the world; its tree holds its own triangles and quadrics and, as further primitives, the instances, each of
-//! which leads into the tree of the group that it places. Triangles lie in the order of the tree's leaves, component by
-//! component, so that one test is a handful of four-wide operations ([`packed`]). Intersections are those of
+//! which leads into the tree of the group that it places. Triangles lie in the order of the tree's leaves, eight side
+//! by side, and are tested together ([`block`]). Intersections are those of
 //! [`halflight_kernel::scene::intersect`], with the same rounding: the CPU and a shader find the same hit.
 //!
 //! Primitives with NaN, infinite or absurd coordinates (beyond [`build::MAX_COORDINATE`]) are left out and counted; rays
 //! that are not finite miss. Checked: the same hits as a search of all primitives and as the kernel's BVH2 walk.
 
+pub mod block;
 pub mod build;
 pub mod node;
 pub mod packed;
@@ -16,7 +17,7 @@ pub mod traverse;
 
 use build::{GroupTree, primitive_bounds};
 use halflight_kernel::scene::Tables;
-use packed::PackedTriangle;
+use packed::{PackedLeaves, TriangleBlock};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -47,10 +48,18 @@ pub(crate) struct Group {
     pub nodes: Vec<obvhs::cwbvh::node::CwBvhNode>,
     /// What lies in the leaves: as [`halflight_kernel::scene::Hit::primitive`], then instances.
     pub primitives: Vec<u32>,
-    /// The triangles among `primitives`, place by place; other primitives hold a triangle that nothing hits.
-    pub triangles: Vec<PackedTriangle>,
-    /// Whether `primitives` holds anything but triangles.
-    pub is_mixed: bool,
+    /// The triangles among `primitives`, eight places each.
+    pub blocks: Vec<TriangleBlock>,
+    /// Which of the eight places hold other primitives, a bit each; empty where there are only triangles.
+    pub others: Vec<u8>,
+}
+
+impl Group {
+    /// Whether it holds anything but triangles.
+    #[inline(always)]
+    fn is_mixed(&self) -> bool {
+        !self.others.is_empty()
+    }
 }
 
 /// What was built.
@@ -83,28 +92,25 @@ impl Accel {
         // The groups first, because the world needs their bounds for its instances.
         for (index, range) in groups.iter().enumerate().rev() {
             let found = primitive_bounds(&tables, range, (index == 0).then_some(&bounds[..]));
-            let tree = GroupTree::build(&found);
+            let mut tree = GroupTree::build(&found);
             bounds[index] = tree.bounds;
-            let triangle_count = tables.triangles.len() as u32;
             accel.statistics.skipped += found.skipped;
             accel.statistics.depth = accel.statistics.depth.max(tree.depth);
+            accel.statistics.primitives += tree.primitives.len();
+            let packed = PackedLeaves::new(&tables, &mut tree);
             accel.groups[index] = Group {
-                triangles: tree
-                    .primitives
-                    .iter()
-                    .map(|&p| PackedTriangle::new(&tables, p))
-                    .collect(),
-                is_mixed: tree.primitives.iter().any(|&p| p >= triangle_count),
                 nodes: tree.nodes,
-                primitives: tree.primitives,
+                primitives: packed.primitives,
+                blocks: packed.blocks,
+                others: packed.others,
             };
         }
         for group in &accel.groups {
             accel.statistics.nodes += group.nodes.len();
-            accel.statistics.primitives += group.primitives.len();
             accel.statistics.bytes += size_of_val(&group.nodes[..])
                 + size_of_val(&group.primitives[..])
-                + size_of_val(&group.triangles[..]);
+                + size_of_val(&group.blocks[..])
+                + size_of_val(&group.others[..]);
         }
         accel.statistics.build_time = start.elapsed();
         accel

@@ -5,7 +5,7 @@ mod geometry;
 
 use geometry::Geometry;
 use glam::{Affine3A, Mat3A, Quat, Vec3};
-use halflight::accel::{Accel, GroupRange};
+use halflight::accel::{Accel, GroupRange, build};
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::IDENTITY;
 use halflight_kernel::scene::*;
@@ -317,6 +317,37 @@ fn depth(nodes: &[BvhNode]) -> usize {
     deepest
 }
 
+/// Large trees are built by several threads. Whatever their number, the tree is the same: an image must not depend on the
+/// machine, and where triangles coincide the order of the leaves decides which one is hit. The grid has many boxes of equal
+/// size, and every one twice.
+#[test]
+fn trees_do_not_depend_on_the_number_of_threads() {
+    let geometry = world(|g| {
+        for i in 0..300 {
+            for j in 0..200 {
+                let at = Vec3::new(i as f32, j as f32, 0.0);
+                for _ in 0..2 {
+                    g.triangle([at, at + Vec3::X, at + Vec3::Y]);
+                }
+            }
+        }
+    });
+    let order = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let tree = pool.unwrap().install(|| {
+            let tables = geometry.tables();
+            let found = build::primitive_bounds(&tables, &geometry.groups[0], None);
+            build::GroupTree::build(&found)
+        });
+        (tree.primitives, tree.nodes)
+    };
+    let one = order(1);
+    assert_eq!(one.0.len(), 120_000);
+    for threads in [2, 3, 7] {
+        assert!(order(threads) == one, "{threads} threads");
+    }
+}
+
 /// A flat grid whose boxes have no thickness and touch along whole numbers: rays straight and slanted at edges, corners
 /// and centres all hit.
 #[test]
@@ -408,4 +439,61 @@ fn node_tests_agree() {
         hits > 1000 && different * 100_000 < tested,
         "{different} of {tested}, {hits} hit"
     );
+}
+
+/// Blocks of eight triangles give the kernel's own hits to the bit, with AVX2 and without; zeros among the edge functions,
+/// slivers and coincident triangles included.
+#[test]
+fn block_tests_agree_with_the_kernel() {
+    use halflight::accel::block::{BlockRay, BlockTest};
+    use halflight::accel::node::Portable;
+    use halflight::accel::packed::{BLOCK, TriangleBlock};
+    let mut random = Random(11);
+    let mut hits = 0;
+    for case in 0..40_000 {
+        let round = |v: Vec3| if case % 2 == 0 { (v * 2.0).round() } else { v };
+        let mut block = TriangleBlock {
+            axes: [[[0.0; BLOCK]; 3]; 3],
+        };
+        for place in 0..BLOCK {
+            for vertex in 0..3 {
+                let p = round(random.point() * 2.0);
+                for axis in 0..3 {
+                    block.axes[axis][vertex][place] = p[axis];
+                }
+            }
+        }
+        let origin = round(random.point() * 3.0);
+        let direction = round(random.point() * 2.0);
+        if direction == Vec3::ZERO {
+            continue;
+        }
+        let ray = BlockRay::new(origin, direction, 0.1);
+        let places = case % 256;
+        let mut expected = (20.0, BLOCK, 0.0, 0.0);
+        for place in (0..BLOCK).filter(|place| places & (1 << place) != 0) {
+            let [p0, p1, p2] = block.vertices(place);
+            let found = intersect::intersect_triangle(&ray.sheared, p0, p1, p2, 0.1, expected.0);
+            if found.t < expected.0 {
+                expected = (found.t, place, found.b1, found.b2);
+            }
+        }
+        hits += (expected.1 < BLOCK) as u32;
+        let check = |found: halflight::accel::block::BlockHit| {
+            assert_eq!(found.place, expected.1, "case {case}");
+            if found.place < BLOCK {
+                assert_eq!(
+                    (found.t, found.b1, found.b2),
+                    (expected.0, expected.2, expected.3)
+                );
+            }
+        };
+        check(Portable::nearest(&block, &ray, places, 20.0));
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            use halflight::accel::node::Avx2;
+            check(Avx2::nearest(&block, &ray, places, 20.0));
+        }
+    }
+    assert!(hits > 2000, "{hits}");
 }

@@ -1,38 +1,93 @@
-//! Triangles as the traversal reads them.
+//! Triangles as the traversal reads them: eight side by side, component by component.
+//!
+//! The triangles in the leaves of a node lie in consecutive places, of which the first is a multiple of eight; what is
+//! left of the last eight is filled with triangles that nothing hits. The watertight test chooses its axes per ray,
+//! which here is a choice of rows; [`super::block`] does it for a whole block.
 
-use glam::Vec4;
+use super::build::GroupTree;
+use glam::Vec3;
 use halflight_kernel::math::vec3;
 use halflight_kernel::scene::Tables;
 
-/// The three vertices component by component: `axes[k]` holds component k of each, and the first vertex again. The
-/// watertight test chooses its axes per ray, which here is a choice of rows, and does its three vertices at once.
+/// Triangles in a block.
+pub const BLOCK: usize = 8;
+
+/// What stands in places that hold no primitive.
+pub const NO_PRIMITIVE: u32 = u32::MAX;
+
+/// Eight triangles.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(16))]
-pub struct PackedTriangle {
-    /// x, y and z of the vertices.
-    pub axes: [Vec4; 3],
+#[repr(C, align(32))]
+pub struct TriangleBlock {
+    /// `axes[component][vertex][place]`.
+    pub axes: [[[f32; BLOCK]; 3]; 3],
 }
 
-impl PackedTriangle {
-    /// A triangle that nothing hits.
-    pub const NOTHING: PackedTriangle = PackedTriangle {
-        axes: [Vec4::NAN; 3],
+impl TriangleBlock {
+    /// Triangles that nothing hits.
+    const NOTHING: TriangleBlock = TriangleBlock {
+        axes: [[[f32::NAN; BLOCK]; 3]; 3],
     };
 
-    /// The triangle with this index; [`PackedTriangle::NOTHING`] for other primitives.
-    pub fn new(tables: &Tables<'_>, primitive: u32) -> PackedTriangle {
-        let Some(triangle) = tables.triangles.get(primitive as usize) else {
-            return PackedTriangle::NOTHING;
-        };
-        let [p0, p1, p2] = triangle
-            .vertices
-            .map(|v| vec3(tables.positions[v as usize]));
-        PackedTriangle {
-            axes: [
-                Vec4::new(p0.x, p1.x, p2.x, p0.x),
-                Vec4::new(p0.y, p1.y, p2.y, p0.y),
-                Vec4::new(p0.z, p1.z, p2.z, p0.z),
-            ],
+    /// The vertices of the triangle in a place.
+    #[inline(always)]
+    pub fn vertices(&self, place: usize) -> [Vec3; 3] {
+        let [x, y, z] = &self.axes;
+        let vertex = |k: usize| Vec3::new(x[k][place], y[k][place], z[k][place]);
+        [vertex(0), vertex(1), vertex(2)]
+    }
+}
+
+/// The leaves of a tree in blocks.
+#[derive(Clone, Debug, Default)]
+pub struct PackedLeaves {
+    /// The primitive in each place, [`NO_PRIMITIVE`] where there is none.
+    pub primitives: Vec<u32>,
+    /// The triangles of eight places each; other primitives hold a triangle that nothing hits.
+    pub blocks: Vec<TriangleBlock>,
+    /// Which of the eight places of each block hold other primitives, a bit each; empty where there are only triangles.
+    pub others: Vec<u8>,
+}
+
+impl PackedLeaves {
+    /// Lays out the leaves of `tree`, whose nodes are made to point to the new places.
+    pub fn new(tables: &Tables<'_>, tree: &mut GroupTree) -> PackedLeaves {
+        let mut packed = PackedLeaves::default();
+        for node in &mut tree.nodes {
+            // Places are counted in unary in the top three bits of a leaf's entry; inner children look alike.
+            let count = (0..8)
+                .filter(|k| node.imask & (1 << k) == 0)
+                .map(|k| node.child_meta[k] as u32)
+                .filter(|meta| meta >> 5 != 0)
+                .map(|meta| (meta & 31) + (meta >> 5).count_ones())
+                .max()
+                .unwrap_or(0);
+            let first = node.primitive_base_idx as usize;
+            node.primitive_base_idx = packed.primitives.len() as u32;
+            for places in tree.primitives[first..first + count as usize].chunks(BLOCK) {
+                let mut block = TriangleBlock::NOTHING;
+                let mut others = 0;
+                for place in 0..BLOCK {
+                    let primitive = places.get(place).copied().unwrap_or(NO_PRIMITIVE);
+                    packed.primitives.push(primitive);
+                    let Some(triangle) = tables.triangles.get(primitive as usize) else {
+                        others |= ((primitive != NO_PRIMITIVE) as u8) << place;
+                        continue;
+                    };
+                    for (k, &vertex) in triangle.vertices.iter().enumerate() {
+                        let position = vec3(tables.positions[vertex as usize]);
+                        for axis in 0..3 {
+                            block.axes[axis][k][place] = position[axis];
+                        }
+                    }
+                }
+                packed.blocks.push(block);
+                packed.others.push(others);
+            }
         }
+        if packed.others.iter().all(|&places| places == 0) {
+            packed.others = Vec::new();
+        }
+        packed
     }
 }

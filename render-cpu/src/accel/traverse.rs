@@ -4,22 +4,20 @@
 //! The whole walk is compiled twice on x86-64, for every processor and for those with AVX2, which is looked up once when
 //! the traverser is made.
 
+use super::block::{BlockRay, BlockTest};
 use super::build::MAX_WIDE_DEPTH;
 #[cfg(not(target_arch = "x86_64"))]
 use super::node::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::node::{Avx2, Sse2};
 use super::node::{Children, NodeRay, NodeTest};
-use super::packed::PackedTriangle;
+use super::packed::BLOCK;
 use super::{Accel, Group};
-use glam::{Vec3, Vec4, Vec4Swizzles};
+use glam::Vec3;
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::{transform_point, transform_vector};
-use halflight_kernel::scene::intersect::{
-    ShearedRay, intersect_quadric, is_traceable, plane_distance,
-};
+use halflight_kernel::scene::intersect::{intersect_quadric, is_traceable};
 use halflight_kernel::scene::{Hit, Tables, Traverse};
-use obvhs::cwbvh::node::CwBvhNode;
 use std::mem::MaybeUninit;
 
 /// Nodes that wait: of each node on the way down at most seven children, and all eight of the last.
@@ -37,28 +35,23 @@ pub struct CpuTraverse<'a> {
 /// A ray in a group's space with what nodes and triangles need of it.
 struct GroupRay {
     node: NodeRay,
-    sheared: ShearedRay,
-    /// Rows of a packed triangle that are x, y and z of the sheared space.
-    rows: [usize; 3],
-    /// The origin's components in those rows.
-    row_origin: [f32; 3],
-    t_min: f32,
+    block: BlockRay,
 }
 
 impl GroupRay {
     #[inline(always)]
     fn new(origin: Vec3, direction: Vec3, t_min: f32) -> GroupRay {
-        let sheared = ShearedRay::new(origin, direction);
-        let axis = sheared.axis as usize;
-        let rows = [(axis + 1) % 3, (axis + 2) % 3, axis];
         GroupRay {
             node: NodeRay::new(origin, direction, t_min),
-            sheared,
-            rows,
-            row_origin: rows.map(|k| origin[k]),
-            t_min,
+            block: BlockRay::new(origin, direction, t_min),
         }
     }
+}
+
+/// The nearest hit so far.
+struct Nearest {
+    hit: Hit,
+    t_max: f32,
 }
 
 impl<'a> CpuTraverse<'a> {
@@ -73,57 +66,52 @@ impl<'a> CpuTraverse<'a> {
 
     /// The nearest hit, or with `ANY` whichever comes first.
     #[inline(always)]
-    fn trace<T: NodeTest, const ANY: bool>(&self, ray: &Ray) -> Hit {
-        let mut hit = Hit::MISS;
+    fn trace<T: NodeTest + BlockTest, const ANY: bool>(&self, ray: &Ray) -> Hit {
+        let mut nearest = Nearest {
+            hit: Hit::MISS,
+            t_max: ray.t_max,
+        };
         if !is_traceable(ray) {
-            return hit;
+            return nearest.hit;
         }
-        let mut t_max = ray.t_max;
         let world = GroupRay::new(ray.origin, ray.direction, ray.t_min);
         let group = &self.accel.groups[0];
-        if group.is_mixed {
-            walk::<T, ANY>(&group.nodes, &world, &mut t_max, |slot, t_max| {
-                self.primitive::<T, ANY, true>(group, slot, &world, ray, 0, t_max, &mut hit)
+        if group.is_mixed() {
+            walk::<T, ANY, true>(group, &world, 0, &mut nearest, |slot, nearest| {
+                self.other::<T, ANY, true>(group, slot, &world, ray, 0, nearest)
             });
         } else {
-            walk::<T, ANY>(&group.nodes, &world, &mut t_max, |slot, t_max| {
-                let found = triangle::<ANY>(group, slot, &world, 0, t_max, &mut hit);
-                ANY && found
-            });
+            walk::<T, ANY, false>(group, &world, 0, &mut nearest, |_, _| false);
         }
-        hit
+        nearest.hit
     }
 
-    /// One entry of a leaf of any kind; true stops the walk.
+    /// One entry of a leaf that is not a triangle; true stops the walk.
     #[inline(always)]
-    fn primitive<T: NodeTest, const ANY: bool, const WORLD: bool>(
+    fn other<T: NodeTest + BlockTest, const ANY: bool, const WORLD: bool>(
         &self,
         group: &Group,
         slot: usize,
         local: &GroupRay,
         ray: &Ray,
         instance: u32,
-        t_max: &mut f32,
-        hit: &mut Hit,
+        nearest: &mut Nearest,
     ) -> bool {
         let primitive = group.primitives[slot];
-        let triangle_count = self.tables.triangles.len() as u32;
-        if primitive < triangle_count {
-            return triangle::<ANY>(group, slot, local, instance, t_max, hit) && ANY;
-        }
-        let index = (primitive - triangle_count) as usize;
+        let index = (primitive as usize).wrapping_sub(self.tables.triangles.len());
         if index < self.tables.quadrics.len() {
             let quadric = &self.tables.quadrics[index];
+            let sheared = &local.block.sheared;
             let t = intersect_quadric(
                 quadric.kind,
-                transform_point(&quadric.to_object, local.sheared.origin),
-                transform_vector(&quadric.to_object, local.sheared.direction),
-                local.t_min,
-                *t_max,
+                transform_point(&quadric.to_object, sheared.origin),
+                transform_vector(&quadric.to_object, sheared.direction),
+                local.block.t_min,
+                nearest.t_max,
             );
-            if t < *t_max {
-                *t_max = t;
-                *hit = Hit {
+            if t < nearest.t_max {
+                nearest.t_max = t;
+                nearest.hit = Hit {
                     t,
                     b1: 0.0,
                     b2: 0.0,
@@ -136,19 +124,18 @@ impl<'a> CpuTraverse<'a> {
         }
         if WORLD {
             let instance = index - self.tables.quadrics.len();
-            return self.enter::<T, ANY>(instance, ray, t_max, hit);
+            return self.enter::<T, ANY>(instance, ray, nearest);
         }
         false
     }
 
     /// An instance: the walk of its group.
     #[inline(always)]
-    fn enter<T: NodeTest, const ANY: bool>(
+    fn enter<T: NodeTest + BlockTest, const ANY: bool>(
         &self,
         instance: usize,
         ray: &Ray,
-        t_max: &mut f32,
-        hit: &mut Hit,
+        nearest: &mut Nearest,
     ) -> bool {
         let record = &self.tables.instances[instance];
         let group = &self.accel.groups[record.group as usize];
@@ -161,8 +148,8 @@ impl<'a> CpuTraverse<'a> {
         }
         let local = GroupRay::new(origin, direction, ray.t_min);
         let instance = instance as u32;
-        walk::<T, ANY>(&group.nodes, &local, t_max, |slot, t_max| {
-            self.primitive::<T, ANY, false>(group, slot, &local, ray, instance, t_max, hit)
+        walk::<T, ANY, true>(group, &local, instance, nearest, |slot, nearest| {
+            self.other::<T, ANY, false>(group, slot, &local, ray, instance, nearest)
         })
     }
 }
@@ -212,79 +199,17 @@ impl Traverse for CpuTraverse<'_> {
     }
 }
 
-/// A triangle of a leaf: [`halflight_kernel::scene::intersect::intersect_triangle`] on all three vertices at once, with
-/// the same operations on each component. Whether it was hit.
+/// Visits the leaves that the ray meets before `nearest`, near nodes first unless with `ANY`. Triangles are tested here,
+/// what else a `MIXED` group holds by `other`, which returns true to stop. Whether the walk was stopped.
 #[inline(always)]
-fn triangle<const ANY: bool>(
+fn walk<T: NodeTest + BlockTest, const ANY: bool, const MIXED: bool>(
     group: &Group,
-    slot: usize,
     ray: &GroupRay,
     instance: u32,
-    t_max: &mut f32,
-    hit: &mut Hit,
+    nearest: &mut Nearest,
+    mut other: impl FnMut(usize, &mut Nearest) -> bool,
 ) -> bool {
-    let triangle = &group.triangles[slot];
-    let row = |k: usize| triangle.axes[ray.rows[k]] - Vec4::splat(ray.row_origin[k]);
-    let shear = ray.sheared.shear;
-    let z = row(2);
-    let x = row(0) - Vec4::splat(shear.x) * z;
-    let y = row(1) - Vec4::splat(shear.y) * z;
-    // u = c x b, v = a x c, w = b x a in the sheared plane.
-    let (cx, cy, bx, by) = (x.zxyw(), y.zxyw(), x.yzxw(), y.yzxw());
-    let mut edges = cx * by - cy * bx;
-    let is_zero = edges.cmpeq(Vec4::ZERO);
-    if is_zero.bitmask() & 7 != 0 {
-        let by_differences = ((cx + bx) * (by - cy) - (cy + by) * (bx - cx)) * 0.5;
-        edges = Vec4::select(is_zero, by_differences, edges);
-    }
-    let below = edges.cmplt(Vec4::ZERO).bitmask() & 7;
-    let above = edges.cmpgt(Vec4::ZERO).bitmask() & 7;
-    if below != 0 && above != 0 {
-        return false;
-    }
-    let determinant = edges.x + edges.y + edges.z;
-    let is_solid = determinant.abs() > 0.0 && determinant.abs() < f32::MAX;
-    if !is_solid {
-        return false;
-    }
-    let [p0, p1, p2] = vertices(triangle);
-    let z = (z * shear.z).truncate();
-    let t = plane_distance(ray.sheared.origin, ray.sheared.direction, p0, p1, p2, z);
-    if t > ray.t_min && t < *t_max {
-        let scale = 1.0 / determinant;
-        *t_max = t;
-        *hit = Hit {
-            t,
-            b1: edges.y * scale,
-            b2: edges.z * scale,
-            primitive: group.primitives[slot],
-            instance,
-        };
-        return true;
-    }
-    false
-}
-
-/// The three points of a packed triangle.
-#[inline(always)]
-fn vertices(triangle: &PackedTriangle) -> [Vec3; 3] {
-    let [x, y, z] = triangle.axes;
-    [
-        Vec3::new(x.x, y.x, z.x),
-        Vec3::new(x.y, y.y, z.y),
-        Vec3::new(x.z, y.z, z.z),
-    ]
-}
-
-/// Visits the primitives in leaves that the ray meets before `t_max` until `visit` returns true, near nodes first unless
-/// with `ANY`.
-#[inline(always)]
-fn walk<T: NodeTest, const ANY: bool>(
-    nodes: &[CwBvhNode],
-    ray: &GroupRay,
-    t_max: &mut f32,
-    mut visit: impl FnMut(usize, &mut f32) -> bool,
-) -> bool {
+    let nodes = &group.nodes[..];
     if nodes.is_empty() {
         return false;
     }
@@ -293,22 +218,58 @@ fn walk<T: NodeTest, const ANY: bool>(
     let mut size = 0;
     let mut node = &nodes[0];
     loop {
-        let Children { near, mut hit } = T::children(node, &ray.node, *t_max);
+        let Children { near, mut hit } = T::children(node, &ray.node, nearest.t_max);
         let inner = node.imask as u32;
         let bottom = size;
         let mut leaves = hit & !inner;
         hit &= inner;
+        let mut places = 0;
         while leaves != 0 {
             let child = leaves.trailing_zeros();
             leaves &= leaves - 1;
             let meta = node.child_meta[child as usize] as u32;
-            let first = node.primitive_base_idx + (meta & 31);
-            // The count is unary in the top bits.
-            for slot in first..first + (meta >> 5).count_ones() {
-                if visit(slot as usize, t_max) {
-                    return true;
+            // The count is unary in the top bits, the first place is in the others.
+            places |= (meta >> 5) << (meta & 31);
+        }
+        let mut first = node.primitive_base_idx as usize;
+        while places != 0 {
+            let in_block = places & ((1 << BLOCK) - 1);
+            if in_block != 0 {
+                let block = first / BLOCK;
+                let triangles = &group.blocks[block];
+                let found = T::nearest(triangles, &ray.block, in_block, nearest.t_max);
+                if found.place < BLOCK {
+                    nearest.t_max = found.t;
+                    nearest.hit = Hit {
+                        t: found.t,
+                        b1: found.b1,
+                        b2: found.b2,
+                        primitive: group.primitives[first + found.place],
+                        instance,
+                    };
+                    if ANY {
+                        return true;
+                    }
+                }
+                let mut others = if MIXED {
+                    in_block
+                        & group
+                            .others
+                            .get(block)
+                            .map_or(0, |&places| u32::from(places))
+                } else {
+                    0
+                };
+                while others != 0 {
+                    let slot = first + others.trailing_zeros() as usize;
+                    others &= others - 1;
+                    if other(slot, nearest) {
+                        return true;
+                    }
                 }
             }
+            places >>= BLOCK;
+            first += BLOCK;
         }
         while hit != 0 {
             let child = hit.trailing_zeros();
@@ -336,7 +297,7 @@ fn walk<T: NodeTest, const ANY: bool>(
             size -= 1;
             // SAFETY: entries below the previous `size` have been written.
             let (index, t) = unsafe { stack[size].assume_init() };
-            if t <= *t_max {
+            if t <= nearest.t_max {
                 node = &nodes[index as usize];
                 break;
             }

@@ -8,8 +8,11 @@
 //! Primitives with NaN, infinite or absurd coordinates (beyond [`build::MAX_COORDINATE`]) are left out and counted; rays
 //! that are not finite miss. Checked: the same hits as a search of all primitives and as the kernel's BVH2 walk.
 
+#[cfg(target_arch = "x86_64")]
+pub mod avx2;
 pub mod block;
 pub mod build;
+pub mod lanes;
 pub mod node;
 pub mod packed;
 pub mod shader_nodes;

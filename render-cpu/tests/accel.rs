@@ -398,7 +398,9 @@ fn flat_grids_do_not_leak() {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn node_tests_agree() {
-    use halflight::accel::node::{Avx2, NodeRay, NodeTest, Portable, Sse2};
+    use halflight::accel::lanes::{Avx2, Lanes, Portable, Sse2};
+    use halflight::accel::node::Children;
+    use obvhs::cwbvh::node::CwBvhNode;
     let mut random = Random(5);
     let boxes: Vec<_> = (0..3000)
         .map(|_| {
@@ -415,19 +417,21 @@ fn node_tests_agree() {
     let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
     let (mut tested, mut hits, mut different) = (0, 0, 0);
     for ray in rays_around(1.0) {
-        let local = NodeRay::new(ray.origin, ray.direction, 0.0);
         for node in nodes.iter().step_by(7) {
-            let portable = Portable::children(node, &local, 10.0);
-            let mut others = vec![Sse2::children(node, &local, 10.0)];
+            fn children<T: Lanes>(node: &CwBvhNode, ray: &Ray) -> Children {
+                T::children(node, &T::ray(ray.origin, ray.direction, 0.0), 10.0)
+            }
+            let portable = children::<Portable>(node, &ray);
+            let mut others = vec![children::<Sse2>(node, &ray)];
             if has_avx2 {
-                others.push(Avx2::children(node, &local, 10.0));
+                others.push(children::<Avx2>(node, &ray));
             }
             for other in others {
                 tested += 8;
-                hits += portable.hit.count_ones();
-                different += (portable.hit ^ other.hit).count_ones();
+                hits += portable.hits.count_ones();
+                different += (portable.hits ^ other.hits).count_ones();
                 for k in 0..8 {
-                    if portable.hit & other.hit & (1 << k) != 0 {
+                    if portable.inner() & other.inner() & (1 << k) != 0 {
                         let error = (portable.near[k] - other.near[k]).abs();
                         assert!(error <= 2e-5, "{error}");
                     }
@@ -445,8 +449,7 @@ fn node_tests_agree() {
 /// slivers and coincident triangles included.
 #[test]
 fn block_tests_agree_with_the_kernel() {
-    use halflight::accel::block::{BlockRay, BlockTest};
-    use halflight::accel::node::Portable;
+    use halflight::accel::lanes::{Lanes, Portable};
     use halflight::accel::packed::{BLOCK, TriangleBlock};
     let mut random = Random(11);
     let mut hits = 0;
@@ -468,12 +471,12 @@ fn block_tests_agree_with_the_kernel() {
         if direction == Vec3::ZERO {
             continue;
         }
-        let ray = BlockRay::new(origin, direction, 0.1);
+        let sheared = intersect::ShearedRay::new(origin, direction);
         let places = case % 256;
         let mut expected = (20.0, BLOCK, 0.0, 0.0);
         for place in (0..BLOCK).filter(|place| places & (1 << place) != 0) {
             let [p0, p1, p2] = block.vertices(place);
-            let found = intersect::intersect_triangle(&ray.sheared, p0, p1, p2, 0.1, expected.0);
+            let found = intersect::intersect_triangle(&sheared, p0, p1, p2, 0.1, expected.0);
             if found.t < expected.0 {
                 expected = (found.t, place, found.b1, found.b2);
             }
@@ -488,11 +491,21 @@ fn block_tests_agree_with_the_kernel() {
                 );
             }
         };
-        check(Portable::nearest(&block, &ray, places, 20.0));
+        check(Portable::nearest(
+            &block,
+            &Portable::ray(origin, direction, 0.1),
+            places,
+            20.0,
+        ));
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            use halflight::accel::node::Avx2;
-            check(Avx2::nearest(&block, &ray, places, 20.0));
+            use halflight::accel::lanes::Avx2;
+            check(Avx2::nearest(
+                &block,
+                &Avx2::ray(origin, direction, 0.1),
+                places,
+                20.0,
+            ));
         }
     }
     assert!(hits > 2000, "{hits}");

@@ -4,8 +4,8 @@
 //! t = (p_a - o_a) / d_a + q e_a / d_a. Both terms round relative to their own size, so that the near planes are moved back
 //! and the far ones forth by that much: a box is never missed, and no ray slips between boxes that touch.
 //!
-//! The same test is written for eight lanes (AVX2), for four (SSE2, every x86-64) and portably. They may differ in the
-//! last bit of a distance, never in whether a primitive's box is found.
+//! The same test is written for eight lanes ([`super::avx2`]), for four (SSE2, every x86-64) and portably. They may
+//! differ in the last bit of a distance, never in whether a primitive's box is found.
 
 use glam::{Vec3, Vec3A};
 use obvhs::cwbvh::node::CwBvhNode;
@@ -13,11 +13,11 @@ use obvhs::cwbvh::node::CwBvhNode;
 /// What nodes need of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeRay {
-    origin: Vec3A,
+    pub(super) origin: Vec3A,
     /// 1 / direction, finite, so that no plane distance is zero times infinity.
-    inverse: Vec3A,
+    pub(super) inverse: Vec3A,
     is_negative: [bool; 3],
-    t_min: f32,
+    pub(super) t_min: f32,
 }
 
 impl NodeRay {
@@ -31,7 +31,7 @@ impl NodeRay {
                 1e18f32.copysign(x)
             }
         });
-        let is_negative = [direction.x < 0.0, direction.y < 0.0, direction.z < 0.0];
+        let is_negative = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0];
         NodeRay {
             origin: origin.into(),
             inverse: inverse.into(),
@@ -80,69 +80,77 @@ impl Planes {
 pub struct Children {
     /// Entry distances; meaningless for children that are not hit.
     pub near: [f32; 8],
-    /// A bit per child whose box the ray meets in (t_min, t_max).
-    pub hit: u32,
+    /// What lies behind the boxes that the ray meets in (t_min, t_max): 24 places of the node's leaves, then a bit per
+    /// child that is a node. The format of the nodes is made for this: shifting the upper three bits of a child's
+    /// `child_meta` by the lower five sets the child's bits.
+    pub hits: u32,
 }
 
-/// How the eight boxes are tested.
-pub trait NodeTest {
-    /// The children that the ray meets in (t_min, t_max).
-    fn children(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children;
-}
-
-/// Any processor.
-#[derive(Clone, Copy, Debug)]
-pub struct Portable;
-
-impl NodeTest for Portable {
+impl Children {
+    /// Places in leaves, from the node's first one on.
     #[inline(always)]
-    fn children(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
-        let planes = Planes::new(node, ray);
-        let q = planes.bytes.map(|b| b.to_le_bytes().map(f32::from));
-        let (step, low, high) = (planes.step, planes.low, planes.high);
-        let mut children = Children {
-            near: [0.0; 8],
-            hit: 0,
-        };
-        for k in 0..8 {
-            let x0 = q[0][k] * step.x + low.x;
-            let y0 = q[1][k] * step.y + low.y;
-            let z0 = q[2][k] * step.z + low.z;
-            let x1 = q[3][k] * step.x + high.x;
-            let y1 = q[4][k] * step.y + high.y;
-            let z1 = q[5][k] * step.z + high.z;
-            let near = x0.max(y0).max(z0.max(ray.t_min));
-            let far = x1.min(y1).min(z1.min(t_max));
-            children.near[k] = near;
-            children.hit |= ((near <= far) as u32) << k;
-        }
-        children
+    pub fn places(&self) -> u32 {
+        self.hits & 0xff_ffff
+    }
+
+    /// Children that are nodes.
+    #[inline(always)]
+    pub fn inner(&self) -> u32 {
+        self.hits >> 24
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-pub use x86::{Avx2, Sse2};
+/// The bits of a child in [`Children::hits`].
+#[inline(always)]
+fn bits(meta: u8) -> u32 {
+    u32::from(meta >> 5) << (meta & 31)
+}
+
+/// The children that the ray meets in (t_min, t_max), on any processor.
+#[inline(always)]
+pub fn portable(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
+    let planes = Planes::new(node, ray);
+    let q = planes.bytes.map(|b| b.to_le_bytes().map(f32::from));
+    let (step, low, high) = (planes.step, planes.low, planes.high);
+    let mut children = Children {
+        near: [0.0; 8],
+        hits: 0,
+    };
+    for k in 0..8 {
+        let x0 = q[0][k] * step.x + low.x;
+        let y0 = q[1][k] * step.y + low.y;
+        let z0 = q[2][k] * step.z + low.z;
+        let x1 = q[3][k] * step.x + high.x;
+        let y1 = q[4][k] * step.y + high.y;
+        let z1 = q[5][k] * step.z + high.z;
+        let near = x0.max(y0).max(z0.max(ray.t_min));
+        let far = x1.min(y1).min(z1.min(t_max));
+        children.near[k] = near;
+        if near <= far {
+            children.hits |= bits(node.child_meta[k]);
+        }
+    }
+    children
+}
 
 #[cfg(target_arch = "x86_64")]
-mod x86 {
-    use super::{Children, CwBvhNode, NodeRay, NodeTest, Planes};
+pub use sse2::twice_four;
+
+#[cfg(target_arch = "x86_64")]
+mod sse2 {
+    use super::{Children, CwBvhNode, NodeRay, Planes, bits};
     use std::arch::x86_64::*;
 
-    /// Four lanes twice, on every x86-64 processor.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Sse2;
-
-    impl NodeTest for Sse2 {
-        #[inline(always)]
-        fn children(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
-            // SAFETY: SSE2 belongs to x86-64.
-            unsafe { twice_four(node, ray, t_max) }
-        }
+    /// [`super::portable`] with four lanes twice, on every x86-64 processor.
+    #[inline(always)]
+    pub fn twice_four(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
+        // SAFETY: SSE2 belongs to x86-64.
+        unsafe { eight(node, ray, t_max) }
     }
 
     #[inline]
     #[target_feature(enable = "sse2")]
-    fn twice_four(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
+    fn eight(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
         let planes = Planes::new(node, ray);
         let zero = _mm_setzero_si128();
         let words = planes
@@ -154,12 +162,17 @@ mod x86 {
         let (near1, hit1) = four(&planes, last, ray.t_min, t_max);
         let mut children = Children {
             near: [0.0; 8],
-            hit: hit0 | hit1 << 4,
+            hits: 0,
         };
         // SAFETY: the array has room for eight.
         unsafe {
             _mm_storeu_ps(children.near.as_mut_ptr(), near0);
             _mm_storeu_ps(children.near.as_mut_ptr().add(4), near1);
+        }
+        let mut hit = hit0 | hit1 << 4;
+        while hit != 0 {
+            children.hits |= bits(node.child_meta[hit.trailing_zeros() as usize & 7]);
+            hit &= hit - 1;
         }
         children
     }
@@ -180,45 +193,5 @@ mod x86 {
             _mm_min_ps(at(q[5], step.z, high.z), _mm_set1_ps(t_max)),
         );
         (near, _mm_movemask_ps(_mm_cmple_ps(near, far)) as u32)
-    }
-
-    /// Eight lanes at once; only on processors with AVX2 and FMA.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Avx2;
-
-    impl NodeTest for Avx2 {
-        #[inline(always)]
-        fn children(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
-            // SAFETY: the traversal uses this type only where it has found both features.
-            unsafe { eight(node, ray, t_max) }
-        }
-    }
-
-    #[inline]
-    #[target_feature(enable = "avx2,fma")]
-    fn eight(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
-        let planes = Planes::new(node, ray);
-        let q = planes
-            .bytes
-            .map(|b| _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(b as i64))));
-        let at = |q: __m256, step: f32, base: f32| {
-            _mm256_fmadd_ps(q, _mm256_set1_ps(step), _mm256_set1_ps(base))
-        };
-        let (step, low, high) = (planes.step, planes.low, planes.high);
-        let near = _mm256_max_ps(
-            _mm256_max_ps(at(q[0], step.x, low.x), at(q[1], step.y, low.y)),
-            _mm256_max_ps(at(q[2], step.z, low.z), _mm256_set1_ps(ray.t_min)),
-        );
-        let far = _mm256_min_ps(
-            _mm256_min_ps(at(q[3], step.x, high.x), at(q[4], step.y, high.y)),
-            _mm256_min_ps(at(q[5], step.z, high.z), _mm256_set1_ps(t_max)),
-        );
-        let mut children = Children {
-            near: [0.0; 8],
-            hit: _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32,
-        };
-        // SAFETY: the array has room for eight.
-        unsafe { _mm256_storeu_ps(children.near.as_mut_ptr(), near) };
-        children
     }
 }

@@ -4,16 +4,14 @@
 //! The whole walk is compiled twice on x86-64, for every processor and for those with AVX2, which is looked up once when
 //! the traverser is made.
 
-use super::block::{BlockRay, BlockTest};
 use super::build::MAX_WIDE_DEPTH;
+use super::lanes::Lanes;
 #[cfg(not(target_arch = "x86_64"))]
-use super::node::Portable;
+use super::lanes::Portable;
 #[cfg(target_arch = "x86_64")]
-use super::node::{Avx2, Sse2};
-use super::node::{Children, NodeRay, NodeTest};
+use super::lanes::{Avx2, Sse2};
 use super::packed::BLOCK;
 use super::{Accel, Group};
-use glam::Vec3;
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::{transform_point, transform_vector};
 use halflight_kernel::scene::intersect::{intersect_quadric, is_traceable};
@@ -30,22 +28,6 @@ pub struct CpuTraverse<'a> {
     tables: Tables<'a>,
     #[cfg(target_arch = "x86_64")]
     has_avx2: bool,
-}
-
-/// A ray in a group's space with what nodes and triangles need of it.
-struct GroupRay {
-    node: NodeRay,
-    block: BlockRay,
-}
-
-impl GroupRay {
-    #[inline(always)]
-    fn new(origin: Vec3, direction: Vec3, t_min: f32) -> GroupRay {
-        GroupRay {
-            node: NodeRay::new(origin, direction, t_min),
-            block: BlockRay::new(origin, direction, t_min),
-        }
-    }
 }
 
 /// The nearest hit so far.
@@ -66,7 +48,7 @@ impl<'a> CpuTraverse<'a> {
 
     /// The nearest hit, or with `ANY` whichever comes first.
     #[inline(always)]
-    fn trace<T: NodeTest + BlockTest, const ANY: bool>(&self, ray: &Ray) -> Hit {
+    fn trace<T: Lanes, const ANY: bool>(&self, ray: &Ray) -> Hit {
         let mut nearest = Nearest {
             hit: Hit::MISS,
             t_max: ray.t_max,
@@ -74,11 +56,11 @@ impl<'a> CpuTraverse<'a> {
         if !is_traceable(ray) {
             return nearest.hit;
         }
-        let world = GroupRay::new(ray.origin, ray.direction, ray.t_min);
+        let world = T::ray(ray.origin, ray.direction, ray.t_min);
         let group = &self.accel.groups[0];
         if group.is_mixed() {
             walk::<T, ANY, true>(group, &world, 0, &mut nearest, |slot, nearest| {
-                self.other::<T, ANY, true>(group, slot, &world, ray, 0, nearest)
+                self.other::<T, ANY, true>(group, slot, ray, ray, 0, nearest)
             });
         } else {
             walk::<T, ANY, false>(group, &world, 0, &mut nearest, |_, _| false);
@@ -86,13 +68,13 @@ impl<'a> CpuTraverse<'a> {
         nearest.hit
     }
 
-    /// One entry of a leaf that is not a triangle; true stops the walk.
+    /// One entry of a leaf that is not a triangle, with the ray in the group's space; true stops the walk.
     #[inline(always)]
-    fn other<T: NodeTest + BlockTest, const ANY: bool, const WORLD: bool>(
+    fn other<T: Lanes, const ANY: bool, const WORLD: bool>(
         &self,
         group: &Group,
         slot: usize,
-        local: &GroupRay,
+        local: &Ray,
         ray: &Ray,
         instance: u32,
         nearest: &mut Nearest,
@@ -101,12 +83,11 @@ impl<'a> CpuTraverse<'a> {
         let index = (primitive as usize).wrapping_sub(self.tables.triangles.len());
         if index < self.tables.quadrics.len() {
             let quadric = &self.tables.quadrics[index];
-            let sheared = &local.block.sheared;
             let t = intersect_quadric(
                 quadric.kind,
-                transform_point(&quadric.to_object, sheared.origin),
-                transform_vector(&quadric.to_object, sheared.direction),
-                local.block.t_min,
+                transform_point(&quadric.to_object, local.origin),
+                transform_vector(&quadric.to_object, local.direction),
+                local.t_min,
                 nearest.t_max,
             );
             if t < nearest.t_max {
@@ -131,7 +112,7 @@ impl<'a> CpuTraverse<'a> {
 
     /// An instance: the walk of its group.
     #[inline(always)]
-    fn enter<T: NodeTest + BlockTest, const ANY: bool>(
+    fn enter<T: Lanes, const ANY: bool>(
         &self,
         instance: usize,
         ray: &Ray,
@@ -141,14 +122,14 @@ impl<'a> CpuTraverse<'a> {
         let group = &self.accel.groups[record.group as usize];
         let origin = transform_point(&record.to_object, ray.origin);
         let direction = transform_vector(&record.to_object, ray.direction);
-        let mut local_ray = *ray;
-        (local_ray.origin, local_ray.direction) = (origin, direction);
-        if !is_traceable(&local_ray) {
+        let mut local = *ray;
+        (local.origin, local.direction) = (origin, direction);
+        if !is_traceable(&local) {
             return false;
         }
-        let local = GroupRay::new(origin, direction, ray.t_min);
+        let prepared = T::ray(origin, direction, ray.t_min);
         let instance = instance as u32;
-        walk::<T, ANY, true>(group, &local, instance, nearest, |slot, nearest| {
+        walk::<T, ANY, true>(group, &prepared, instance, nearest, |slot, nearest| {
             self.other::<T, ANY, false>(group, slot, &local, ray, instance, nearest)
         })
     }
@@ -202,9 +183,9 @@ impl Traverse for CpuTraverse<'_> {
 /// Visits the leaves that the ray meets before `nearest`, near nodes first unless with `ANY`. Triangles are tested here,
 /// what else a `MIXED` group holds by `other`, which returns true to stop. Whether the walk was stopped.
 #[inline(always)]
-fn walk<T: NodeTest + BlockTest, const ANY: bool, const MIXED: bool>(
+fn walk<T: Lanes, const ANY: bool, const MIXED: bool>(
     group: &Group,
-    ray: &GroupRay,
+    ray: &T::Ray,
     instance: u32,
     nearest: &mut Nearest,
     mut other: impl FnMut(usize, &mut Nearest) -> bool,
@@ -218,26 +199,15 @@ fn walk<T: NodeTest + BlockTest, const ANY: bool, const MIXED: bool>(
     let mut size = 0;
     let mut node = &nodes[0];
     loop {
-        let Children { near, mut hit } = T::children(node, &ray.node, nearest.t_max);
-        let inner = node.imask as u32;
-        let bottom = size;
-        let mut leaves = hit & !inner;
-        hit &= inner;
-        let mut places = 0;
-        while leaves != 0 {
-            let child = leaves.trailing_zeros();
-            leaves &= leaves - 1;
-            let meta = node.child_meta[child as usize] as u32;
-            // The count is unary in the top bits, the first place is in the others.
-            places |= (meta >> 5) << (meta & 31);
-        }
+        let children = T::children(node, ray, nearest.t_max);
+        let mut places = children.places();
         let mut first = node.primitive_base_idx as usize;
         while places != 0 {
             let in_block = places & ((1 << BLOCK) - 1);
             if in_block != 0 {
                 let block = first / BLOCK;
                 let triangles = &group.blocks[block];
-                let found = T::nearest(triangles, &ray.block, in_block, nearest.t_max);
+                let found = T::nearest(triangles, ray, in_block, nearest.t_max);
                 if found.place < BLOCK {
                     nearest.t_max = found.t;
                     nearest.hit = Hit {
@@ -271,11 +241,14 @@ fn walk<T: NodeTest + BlockTest, const ANY: bool, const MIXED: bool>(
             places >>= BLOCK;
             first += BLOCK;
         }
-        while hit != 0 {
-            let child = hit.trailing_zeros();
-            hit &= hit - 1;
-            let index = node.child_base_idx + (inner & ((1 << child) - 1)).count_ones();
-            let entry = (index, near[child as usize]);
+        let mut inner = children.inner();
+        let bottom = size;
+        while inner != 0 {
+            let child = inner.trailing_zeros();
+            inner &= inner - 1;
+            let before = u32::from(node.imask) & ((1 << child) - 1);
+            let index = node.child_base_idx + before.count_ones();
+            let entry = (index, children.near[child as usize & 7]);
             // Sorted in with the nearest on top; for occlusion any order does.
             let mut at = size;
             while !ANY && at > bottom {

@@ -13,6 +13,7 @@
 //! dimensions are uncorrelated; of the first 2^k Sobol' points of a pixel each elementary interval of area 2^-k holds
 //! exactly one.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 
 /// A stream of numbers in [0, 1) for one sample of one pixel or chain.
@@ -126,7 +127,8 @@ fn sobol_second_reversed(index: u32) -> u32 {
 }
 
 /// Owen-scrambled Sobol' points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct SobolSampler {
     key0: u32,
     key1: u32,
@@ -190,8 +192,9 @@ pub mod sampler_kind {
     pub const SOBOL: u32 = 1;
 }
 
-/// Either sampler, chosen at run time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Either sampler, chosen at run time; plain numbers, so that a buffer can hold it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct AnySampler {
     kind: u32,
     /// The counter; an independent sampler is the same but for its keys and the unused index.

@@ -32,9 +32,11 @@ pub struct Dispatch {
     pub seed: u32,
     /// One of [`halflight_kernel::sampler::sampler_kind`].
     pub sampler: u32,
+    /// Added to a slot for the place of a path: branches follow the paths that they belong to.
+    pub first: u32,
 }
 
-/// A sample to take. Pixels are listed because in adaptive runs they differ in their number of samples.
+/// A sample to take or to go on with. Pixels are listed because in adaptive runs they differ in their number of samples.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct WorkItem {
@@ -42,4 +44,6 @@ pub struct WorkItem {
     pub pixel: u32,
     /// Index of the sample.
     pub sample: u32,
+    /// Place of its result and of its path.
+    pub slot: u32,
 }

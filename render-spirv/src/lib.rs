@@ -31,4 +31,5 @@ pub mod interface;
 pub mod module;
 pub mod sampling;
 pub mod scene_buffers;
+pub mod stages;
 pub mod vulkan;

@@ -7,13 +7,16 @@
 use crate::interface::{Dispatch, FEATURE_VECTORS, WORKGROUP, WorkItem};
 use crate::module;
 use crate::scene_buffers::SceneBuffers;
+use crate::stages::{Stages, TIME_LIMIT};
 use crate::vulkan::{Buffer, Device, Memory, Pipeline, VulkanError};
 use halflight::accel::Accel;
 use halflight::aov::AovSample;
 use halflight::film::Film;
 use halflight::render::{PassError, RenderOptions, Sampling};
 use halflight::scene::build::Scene;
+use halflight_kernel::scene::features;
 use halflight_kernel::transport::integrator_kind;
+use halflight_kernel::transport::staged::PathRecord;
 use rayon::prelude::*;
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -28,20 +31,24 @@ const FIRST_SLICE: u32 = 1 << 12;
 /// Time that a submission should take.
 const SLICE_TIME: Duration = Duration::from_millis(200);
 
-/// Time after which a submission counts as hung.
-const TIME_LIMIT: Duration = Duration::from_secs(120);
+/// Largest number of samples of a submission for integrators that keep their paths in a buffer.
+const MAX_PATHS: u32 = 1 << 17;
 
 /// A device that takes samples of one scene.
 pub struct DeviceSampling {
     // Pipelines first: they are dropped before the buffers that they bind.
-    radiance: Pipeline,
+    radiance: Radiance,
     features: Option<Pipeline>,
     items: Buffer,
     results: Buffer,
+    /// What the stages keep between them; only they read it.
+    _paths: Buffer,
     scene: SceneBuffers,
     options: RenderOptions,
     sampler: u32,
     slice: u32,
+    /// The work items that the buffers have room for.
+    max_slice: u32,
     /// Layers to take before the loss of the device is simulated.
     lose_after: Option<u32>,
     device: Arc<Device>,
@@ -54,13 +61,12 @@ struct Sample {
     features: [[f32; 4]; FEATURE_VECTORS as usize],
 }
 
-/// Name of the entry point for an integrator.
-fn entry_point(scene: &Scene) -> Result<&'static CStr, SamplingError> {
-    match scene.settings.kind {
-        integrator_kind::PATH => Ok(c"path_tracing"),
-        integrator_kind::AMBIENT_OCCLUSION => Ok(c"occlusion"),
-        _ => Err(SamplingError::NoShader(scene.integrator.clone())),
-    }
+/// What estimates radiance.
+enum Radiance {
+    /// One entry point takes a whole sample.
+    Sample(Pipeline),
+    /// Paths that go on in stages.
+    Paths(Stages),
 }
 
 /// Why a device cannot take a scene's samples.
@@ -89,10 +95,15 @@ impl DeviceSampling {
         options: &RenderOptions,
         with_features: bool,
     ) -> Result<DeviceSampling, SamplingError> {
-        let radiance = entry_point(scene)?;
+        let kind = scene.settings.kind;
+        let in_stages = Stages::serve(kind);
+        if !in_stages && kind != integrator_kind::AMBIENT_OCCLUSION {
+            return Err(SamplingError::NoShader(scene.integrator.clone()));
+        }
         let tables = SceneBuffers::upload(device, scene, accel)?;
         let [width, height] = scene.tables.camera.crop_size;
-        let items = width.saturating_mul(height).min(MAX_SLICE);
+        let max_slice = if in_stages { MAX_PATHS } else { MAX_SLICE };
+        let items = width.saturating_mul(height).min(max_slice);
         let list = device.create_buffer(
             "work items",
             u64::from(items) * size_of::<WorkItem>() as u64,
@@ -105,9 +116,18 @@ impl DeviceSampling {
             Memory::Host,
         )?;
         let mut bound: Vec<&Buffer> = tables.buffers().iter().collect();
+        let paths = if in_stages {
+            Stages::paths(&scene.settings, items) * size_of::<PathRecord>() as u64
+        } else {
+            0
+        };
+        let paths = device.create_buffer("paths", paths, Memory::Device)?;
         bound.push(&list);
         bound.push(&results);
+        bound.push(&paths);
         let words = module::words();
+        let features = features::of(&scene.tables.view());
+        let push_constants = size_of::<Dispatch>() as u32;
         let known = module::entry_points(&words);
         let pipeline = |entry: &CStr| {
             let name = entry.to_string_lossy();
@@ -115,22 +135,40 @@ impl DeviceSampling {
                 return Err(SamplingError::StaleModule(name.into_owned()));
             }
             let start = Instant::now();
-            let made =
-                device.create_pipeline(&words, entry, &bound, size_of::<Dispatch>() as u32)?;
-            tracing::info!("compiled {name} in {:.2} s", start.elapsed().as_secs_f64());
+            let made = device.create_specialized_pipeline(
+                &words,
+                entry,
+                &bound,
+                push_constants,
+                &[features],
+            )?;
+            let created = start.elapsed().as_secs_f64();
+            // Some drivers compile at the first use.
+            made.dispatch("an empty slice", &Dispatch::default(), 1, TIME_LIMIT)?;
+            let used = start.elapsed().as_secs_f64() - created;
+            tracing::info!("compiled {name}: created in {created:.2} s, first used in {used:.2} s");
             Ok(made)
         };
+        let features = with_features
+            .then(|| pipeline(c"surface_features"))
+            .transpose()?;
+        let radiance = if in_stages {
+            let stages = Stages::new(device, scene.settings, items, pipeline)?;
+            Radiance::Paths(stages)
+        } else {
+            Radiance::Sample(pipeline(c"occlusion")?)
+        };
         Ok(DeviceSampling {
-            radiance: pipeline(radiance)?,
-            features: with_features
-                .then(|| pipeline(c"surface_features"))
-                .transpose()?,
+            radiance,
+            features,
             items: list,
             results,
+            _paths: paths,
             scene: tables,
             options: options.clone(),
             sampler: scene.sampler,
-            slice: FIRST_SLICE,
+            slice: FIRST_SLICE.min(items),
+            max_slice: items,
             lose_after: None,
             device: device.clone(),
         })
@@ -164,9 +202,12 @@ impl DeviceSampling {
             rest = after;
             let start = Instant::now();
             self.take(slice, &mut samples)?;
-            let time = start.elapsed();
+            let time = match &self.radiance {
+                Radiance::Sample(_) => start.elapsed(),
+                Radiance::Paths(stages) => stages.longest_submission(),
+            };
             if time < SLICE_TIME / 2 && count == self.slice {
-                self.slice = (self.slice * 2).min(MAX_SLICE);
+                self.slice = (self.slice * 2).min(self.max_slice);
             } else if time > SLICE_TIME * 2 {
                 self.slice = (self.slice / 2).max(WORKGROUP);
             }
@@ -177,17 +218,34 @@ impl DeviceSampling {
     /// The samples of one slice.
     fn take(&mut self, slice: &[WorkItem], samples: &mut Vec<Sample>) -> Result<(), VulkanError> {
         let count = slice.len();
-        self.items.write(slice);
+        let slice: Vec<WorkItem> = slice
+            .iter()
+            .zip(0..)
+            .map(|(item, slot)| WorkItem { slot, ..*item })
+            .collect();
         let dispatch = Dispatch {
             count: count as u32,
             seed: self.options.seed,
             sampler: self.sampler,
+            first: 0,
         };
         let groups = dispatch.count.div_ceil(WORKGROUP);
-        self.radiance
-            .dispatch("a slice of samples", &dispatch, groups, TIME_LIMIT)?;
         let mut radiance = vec![[0.0f32; 4]; count];
-        self.results.read(&mut radiance);
+        match &mut self.radiance {
+            Radiance::Sample(pipeline) => {
+                self.items.write(&slice);
+                pipeline.dispatch("a slice of samples", &dispatch, groups, TIME_LIMIT)?;
+                self.results.read(&mut radiance);
+            }
+            Radiance::Paths(stages) => stages.take(
+                dispatch,
+                &slice,
+                &mut self.items,
+                &self.results,
+                &mut radiance,
+            )?,
+        }
+        self.items.write(&slice);
         let mut features = Vec::new();
         if let Some(pipeline) = &self.features {
             pipeline.dispatch("a slice of features", &dispatch, groups, TIME_LIMIT)?;
@@ -220,6 +278,7 @@ impl Sampling for DeviceSampling {
                 .map(|(pixel, statistics)| WorkItem {
                     pixel: pixel as u32,
                     sample: self.options.first_sample.wrapping_add(statistics.count),
+                    slot: 0,
                 })
                 .collect();
             let samples = self.layer(&list)?;

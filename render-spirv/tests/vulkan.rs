@@ -96,7 +96,8 @@ fn a_lost_device_leaves_complete_layers() {
 #[test]
 fn an_integrator_without_a_shader_is_named() {
     let Some(device) = device() else { return };
-    let scene = scene("cornell-box.xml", "direct");
+    let mut scene = scene("cornell-box.xml", "direct");
+    scene.settings.kind = u32::MAX;
     let accel = build_accel(&scene);
     let error = DeviceSampling::new(&device, &scene, &accel, &options(), false).err();
     assert!(matches!(error, Some(SamplingError::NoShader(_))));
@@ -135,7 +136,7 @@ fn the_module_needs_what_the_host_enables() {
             .iter()
             .all(|c| known.contains(c))
     );
-    for entry in ["path_tracing", "occlusion", "canary::canary"] {
+    for entry in ["paths::scatter", "occlusion", "canary::canary"] {
         assert!(
             module::entry_points(&words).iter().any(|e| e == entry),
             "{entry}"

@@ -53,26 +53,29 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
         return BsdfSample::NONE;
     }
     if lobe.kind == lobe_kind::COAT {
-        return BsdfSample {
-            wo: Vec3::new(-wi.x, -wi.y, wi.z),
-            weight: lobe.specular_reflectance * fresnel_dielectric(wi.z, lobe.eta.x).0,
-            pdf: 1.0,
-            eta: 1.0,
-            event: event::REFLECTION | event::DELTA,
-        };
+        return smooth(lobe, wi);
     }
     let m = lobe.microfacets().sample_visible_normal(wi, u2);
-    let wo = reflect(wi, m);
-    let density = pdf(lobe, wi, wo);
-    if density <= 0.0 {
-        return BsdfSample::NONE;
-    }
+    let s = direction(wi, m);
+    let pdf = pdf(lobe, wi, s.wo);
+    s.weighted(pdf, eval(lobe, wi, s.wo))
+}
+
+/// The direction of the rough [`sample`] at the visible normal `m`.
+#[inline]
+pub(super) fn direction(wi: Vec3, m: Vec3) -> BsdfSample {
+    BsdfSample::towards(reflect(wi, m), event::REFLECTION | event::GLOSSY)
+}
+
+/// The mirror direction of a smooth coat.
+#[inline]
+pub(super) fn smooth(lobe: &Lobe, wi: Vec3) -> BsdfSample {
     BsdfSample {
-        wo,
-        weight: eval(lobe, wi, wo) * (wo.z / density),
-        pdf: density,
+        wo: Vec3::new(-wi.x, -wi.y, wi.z),
+        weight: lobe.specular_reflectance * fresnel_dielectric(wi.z, lobe.eta.x).0,
+        pdf: 1.0,
         eta: 1.0,
-        event: event::REFLECTION | event::GLOSSY,
+        event: event::REFLECTION | event::DELTA,
     }
 }
 

@@ -123,24 +123,30 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if wi.z <= 0.0 || lobe.table == NONE {
         return BsdfSample::NONE;
     }
+    let s = direction(lobe, data, wi, u1, u2, || {
+        lobe.microfacets().sample_visible_normal(wi, u2)
+    });
+    let pdf = pdf(lobe, data, wi, s.wo);
+    s.weighted(pdf, eval(lobe, data, wi, s.wo))
+}
+
+/// The direction of [`sample`], `normal` finds the visible normal of `u2`.
+#[inline]
+pub(super) fn direction(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    normal: impl FnOnce() -> Vec3,
+) -> BsdfSample {
     let law = Law::new(lobe, data, wi.z);
     let h = if u1 < law.reflection {
-        lobe.microfacets().sample_visible_normal(wi, u2)
+        normal()
     } else {
         law.sample_normal(wi, u2)
     };
-    let wo = reflect(wi, h);
-    let density = pdf(lobe, data, wi, wo);
-    if density <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    BsdfSample {
-        wo,
-        weight: eval(lobe, data, wi, wo) * (wo.z / density),
-        pdf: density,
-        eta: 1.0,
-        event: event::GLOSSY | event::REFLECTION,
-    }
+    BsdfSample::towards(reflect(wi, h), event::GLOSSY | event::REFLECTION)
 }
 
 /// The law of the half vectors of diffraction, an approximation to the spectrum that can be sampled: slopes with density

@@ -19,7 +19,7 @@ use super::{
     BsdfSample, Coat, Lobe, MAX_COATS, coat, event, frame_map, mode, model, null, rough_dielectric,
 };
 use crate::math::{Frame, Rgb, float};
-use crate::scene::{NONE, lobe_flag, lobe_kind};
+use crate::scene::{NONE, features, lobe_flag, lobe_kind};
 use glam::{Vec2, Vec3};
 pub use model::events;
 
@@ -46,7 +46,33 @@ impl Lobe {
         coats: [Coat::NONE; MAX_COATS],
         exponent: 1.0,
         mode: mode::RADIANCE,
+        #[cfg(target_arch = "spirv")]
+        features: features::ALL,
     };
+
+    /// Whether the scene may have lobes with one of the [`crate::scene::features`].
+    #[inline]
+    pub fn may_be(&self, features: u32) -> bool {
+        #[cfg(target_arch = "spirv")]
+        {
+            self.features & features != 0
+        }
+        #[cfg(not(target_arch = "spirv"))]
+        {
+            let _ = features;
+            true
+        }
+    }
+
+    #[inline]
+    fn has_coats(&self) -> bool {
+        self.may_be(features::COATS) && self.coat_count > 0
+    }
+
+    #[inline]
+    fn has_map(&self) -> bool {
+        self.may_be(features::FRAME_MAPS) && self.has_frame
+    }
 
     /// The distribution of microfacets of a rough lobe.
     #[inline]
@@ -55,6 +81,8 @@ impl Lobe {
             kind: self.distribution,
             alpha: microfacet::clamp_alpha(self.alpha),
             exponent: self.exponent,
+            #[cfg(target_arch = "spirv")]
+            features: self.features,
         }
     }
 }
@@ -189,7 +217,8 @@ fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
 /// Whether nothing lies between the surface and the model: the common case, which needs none of the maps below.
 #[inline]
 fn is_bare(lobe: &Lobe) -> bool {
-    lobe.coat_count == 0 && !lobe.has_frame
+    // In shaders the way through no coats is the only one, as a shortcut would hold a copy of all models.
+    !cfg!(target_arch = "spirv") && !lobe.has_coats() && !lobe.has_map()
 }
 
 /// `w` with its z negated if `flip`.
@@ -219,16 +248,16 @@ fn inside(lobe: &Lobe, data: &[f32], flip: bool, w: Vec3) -> Way {
         valid: true,
     };
     let coats_first = lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME != 0;
-    if lobe.coat_count > 0 && coats_first {
+    if lobe.has_coats() && coats_first {
         pass_coats(lobe, data, &mut way);
         way.cos_unperturbed = way.w.z;
     }
     let unperturbed = way.w;
-    if lobe.has_frame {
+    if lobe.has_map() {
         way.w = lobe.frame.to_local(way.w);
     }
     way.valid = way.valid && same_side(unperturbed, way.w);
-    if lobe.coat_count > 0 && !coats_first {
+    if lobe.has_coats() && !coats_first {
         pass_coats(lobe, data, &mut way);
     }
     way
@@ -254,16 +283,16 @@ fn outside(lobe: &Lobe, data: &[f32], w: Vec3) -> Way {
         valid: true,
     };
     let coats_last = lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME != 0;
-    if lobe.coat_count > 0 && !coats_last {
+    if lobe.has_coats() && !coats_last {
         leave_coats(lobe, data, &mut way);
     }
-    if lobe.has_frame {
+    if lobe.has_map() {
         let perturbed = way.w;
         way.w = lobe.frame.to_world(perturbed);
         way.valid = way.valid && same_side(way.w, perturbed);
     }
     way.cos_unperturbed = way.w.z;
-    if lobe.coat_count > 0 && coats_last {
+    if lobe.has_coats() && coats_last {
         leave_coats(lobe, data, &mut way);
     }
     way
@@ -315,7 +344,7 @@ pub(crate) fn inner_pair(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Inner
 /// The terminator term of a perturbed frame: on camera paths light comes along `wo`, on light paths along `wi`.
 #[inline]
 fn shadowing(lobe: &Lobe, i: &Way, o: &Way) -> f32 {
-    if !lobe.has_frame {
+    if !lobe.has_map() {
         return 1.0;
     }
     let cos_light = if lobe.mode == mode::RADIANCE {
@@ -344,7 +373,7 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
 /// What the coats leave of the colour of the lobe below them.
 #[inline]
 fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
-    if lobe.coat_count == 0 {
+    if !lobe.has_coats() {
         return Vec3::ONE;
     }
     let mut w = if is_flipped(lobe, wi) {
@@ -352,7 +381,7 @@ fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     } else {
         wi
     };
-    if lobe.has_frame && lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME == 0 {
+    if lobe.has_map() && lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME == 0 {
         w = lobe.frame.to_local(w);
     }
     coat::round_trip(&lobe.coats, lobe.coat_count, data, w)

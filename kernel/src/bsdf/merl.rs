@@ -197,23 +197,21 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if wi.z <= 0.0 {
         return BsdfSample::NONE;
     }
+    let s = direction(lobe, data, wi, u1, u2);
+    let pdf = pdf(lobe, data, wi, s.wo);
+    s.weighted(pdf, eval(lobe, data, wi, s.wo))
+}
+
+/// The direction of [`sample`].
+#[inline]
+pub(super) fn direction(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     let wo = if u1 < DEFENSIVE {
         warp::square_to_cosine_hemisphere(u2)
     } else {
         let u = (u1 - DEFENSIVE) / (1.0 - DEFENSIVE);
         reflect(wi, sample_half_vector(data, lobe.table, wi.z, u, u2))
     };
-    let density = pdf(lobe, data, wi, wo);
-    if density <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    BsdfSample {
-        wo,
-        weight: eval(lobe, data, wi, wo) * (wo.z / density),
-        pdf: density,
-        eta: 1.0,
-        event: event::REFLECTION | event::GLOSSY,
-    }
+    BsdfSample::towards(wo, event::REFLECTION | event::GLOSSY)
 }
 
 /// Directional albedo of the cell of theta_i.

@@ -52,6 +52,9 @@ pub struct Microfacets {
     pub alpha: Vec2,
     /// The exponent p of the exponential power distribution; the others do not read it.
     pub exponent: f32,
+    /// What there is in the scene, see [`crate::scene::features`].
+    #[cfg(target_arch = "spirv")]
+    pub features: u32,
 }
 
 impl Microfacets {
@@ -62,7 +65,28 @@ impl Microfacets {
             kind,
             alpha: clamp_alpha(alpha),
             exponent,
+            #[cfg(target_arch = "spirv")]
+            features: crate::scene::features::ALL,
         }
+    }
+
+    /// Whether the scene may have microfacets of the kind.
+    #[inline]
+    fn may_be(&self, kind: u32) -> bool {
+        #[cfg(target_arch = "spirv")]
+        {
+            self.features & crate::scene::features::microfacets(kind) != 0
+        }
+        #[cfg(not(target_arch = "spirv"))]
+        {
+            let _ = kind;
+            true
+        }
+    }
+
+    #[inline]
+    fn is(&self, kind: u32) -> bool {
+        self.may_be(kind) && self.kind == kind
     }
 
     /// Whether [`Microfacets::sample_visible_normal`] draws Smith's visible normals.
@@ -78,12 +102,13 @@ impl Microfacets {
             return 0.0;
         }
         match self.kind {
-            kinds::GGX => ggx::distribution(self.alpha, m),
-            kinds::PHONG => phong::distribution(self.alpha, m),
-            kinds::EXPONENTIAL_POWER => {
+            kinds::GGX if self.is(kinds::GGX) => ggx::distribution(self.alpha, m),
+            kinds::PHONG if self.is(kinds::PHONG) => phong::distribution(self.alpha, m),
+            kinds::EXPONENTIAL_POWER if self.is(kinds::EXPONENTIAL_POWER) => {
                 exponential_power::distribution(self.alpha, self.exponent, m)
             }
-            _ => beckmann::distribution(self.alpha, m),
+            _ if self.may_be(kinds::BECKMANN) => beckmann::distribution(self.alpha, m),
+            _ => 0.0,
         }
     }
 
@@ -96,12 +121,15 @@ impl Microfacets {
         let y = self.alpha.y * w.y;
         let spread = safe_sqrt(x * x + y * y);
         let area = match self.kind {
-            kinds::GGX => ggx::projected_area(abs(w.z), spread),
-            kinds::EXPONENTIAL_POWER => {
+            kinds::GGX if self.is(kinds::GGX) => ggx::projected_area(abs(w.z), spread),
+            kinds::EXPONENTIAL_POWER if self.is(kinds::EXPONENTIAL_POWER) => {
                 exponential_power::projected_area(abs(w.z), spread, self.exponent)
             }
             // Phong takes Beckmann's, see there.
-            _ => beckmann::projected_area(abs(w.z), spread),
+            _ if self.may_be(kinds::BECKMANN) || self.may_be(kinds::PHONG) => {
+                beckmann::projected_area(abs(w.z), spread)
+            }
+            _ => abs(w.z),
         };
         area.max(f32::MIN_POSITIVE)
     }
@@ -120,11 +148,11 @@ impl Microfacets {
     #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn sample_normal(&self, u: Vec2) -> Vec3 {
         match self.kind {
-            kinds::PHONG => phong::sample_normal(self.alpha, u),
-            kinds::EXPONENTIAL_POWER => {
+            kinds::PHONG if self.is(kinds::PHONG) => phong::sample_normal(self.alpha, u),
+            kinds::EXPONENTIAL_POWER if self.is(kinds::EXPONENTIAL_POWER) => {
                 self.stretch_slope(exponential_power::sample_slope(self.exponent, u))
             }
-            kinds::GGX => self.stretch_slope(ggx::sample_slope(u)),
+            kinds::GGX if self.is(kinds::GGX) => self.stretch_slope(ggx::sample_slope(u)),
             _ => self.stretch_slope(beckmann::sample_slope(u)),
         }
     }
@@ -138,7 +166,8 @@ impl Microfacets {
     /// A normal that `wi`, `wi.z >= 0`, sees, with density [`Microfacets::visible_normal_pdf`].
     #[cfg_attr(not(target_arch = "spirv"), inline)]
     pub fn sample_visible_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
-        if !self.has_smith_normals() {
+        let has_cavities = self.may_be(kinds::PHONG) || self.may_be(kinds::EXPONENTIAL_POWER);
+        if has_cavities && !self.has_smith_normals() {
             return self.sample_cavity_normal(wi, u);
         }
         let alpha = self.alpha;
@@ -150,10 +179,12 @@ impl Microfacets {
             return Vec3::Z;
         }
         let w = stretched * (1.0 / length);
-        let h = if self.kind == kinds::GGX {
+        let h = if self.is(kinds::GGX) {
             ggx::sample_visible_normal(w, u)
-        } else {
+        } else if self.may_be(kinds::BECKMANN) {
             beckmann::sample_visible_normal(w, u)
+        } else {
+            Vec3::Z
         };
         unit_normal(alpha.x * h.x, alpha.y * h.y, h.z)
     }
@@ -254,13 +285,15 @@ impl Microfacets {
             return self.sample_normal(u);
         }
         // Slopes as multiples of the width, along azimuth zero.
-        let (radius, stretch) = if self.kind == kinds::PHONG {
+        let (radius, stretch) = if self.is(kinds::PHONG) {
             (phong::sample_radius(self.alpha.x, u.y), Vec2::ONE)
-        } else {
+        } else if self.may_be(kinds::EXPONENTIAL_POWER) {
             (
                 exponential_power::sample_radius(self.exponent, u.y),
                 self.alpha,
             )
+        } else {
+            (0.0, self.alpha)
         };
         let slope = v_cavity::sample_azimuth(
             Vec3::new(stretch.x * wi.x, stretch.y * wi.y, wi.z.max(0.0)),

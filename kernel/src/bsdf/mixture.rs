@@ -15,7 +15,8 @@ use super::{
 };
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::{
-    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, lobe_flag, lobe_kind,
+    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, features, lobe_flag,
+    lobe_kind,
     texture::{eval_at_point, eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};
@@ -24,14 +25,17 @@ use glam::{Vec2, Vec3};
 /// where it is given a place within a larger value; on hosts the place itself is the cheaper argument.
 #[cfg(target_arch = "spirv")]
 macro_rules! variable {
-    ($place:expr) => {
-        &{ $place }
-    };
+    ($self:ident.lobes[$i:ident]) => {{
+        let mut lobe = $self.lobes[$i];
+        // Not the value from the array, which compilers do not see through.
+        lobe.features = $self.features;
+        &{ lobe }
+    }};
 }
 #[cfg(not(target_arch = "spirv"))]
 macro_rules! variable {
-    ($place:expr) => {
-        &$place
+    ($self:ident.lobes[$i:ident]) => {
+        &$self.lobes[$i]
     };
 }
 
@@ -42,6 +46,8 @@ pub struct Bsdf {
     /// Probability of each lobe.
     selection: [f32; MAX_LOBES],
     count: u32,
+    #[cfg(target_arch = "spirv")]
+    features: u32,
 }
 
 impl Bsdf {
@@ -50,6 +56,8 @@ impl Bsdf {
         lobes: [Lobe::NONE; MAX_LOBES],
         selection: [0.0; MAX_LOBES],
         count: 0,
+        #[cfg(target_arch = "spirv")]
+        features: features::ALL,
     };
 
     /// The material of `point` for the local direction `wi`: lobes of the other side or without weight are left out.
@@ -64,23 +72,52 @@ impl Bsdf {
     #[inline]
     pub fn look_up(&mut self, tables: &Tables<'_>, point: &SurfacePoint, wi: Vec3, mode: u32) {
         self.count = 0;
+        #[cfg(target_arch = "spirv")]
+        {
+            self.features = tables.features;
+        }
         if point.material == NONE {
             return;
         }
         let material = &tables.materials[point.material as usize];
         for i in 0..material.lobe_count {
-            let record = &tables.lobes[(material.first_lobe + i) as usize];
-            if !lobe::is_active(record.flags, wi) && record.kind != lobe_kind::NULL {
-                continue;
-            }
-            let weight = weight(tables, record, point);
-            if weight > 0.0 && (self.count as usize) < MAX_LOBES {
-                let lobe = &mut self.lobes[self.count as usize];
-                fill_lobe(lobe, tables, record, point, wi, weight, mode);
-                self.count += 1;
-            }
+            self.add(tables, material.first_lobe + i, point, wi, mode);
         }
         self.select(tables.data, wi);
+    }
+
+    /// Looks up one lobe of the material.
+    #[inline]
+    fn add(&mut self, tables: &Tables<'_>, lobe: u32, point: &SurfacePoint, wi: Vec3, mode: u32) {
+        let record = &tables.lobes[lobe as usize];
+        if !lobe::is_active(record.flags, wi) && record.kind != lobe_kind::NULL {
+            return;
+        }
+        let weight = weight(tables, record, point);
+        let i = self.place(self.count as usize);
+        if weight > 0.0 && i < MAX_LOBES {
+            fill_lobe(&mut self.lobes[i], tables, record, point, wi, weight, mode);
+            self.count += 1;
+        }
+    }
+
+    /// Whether there may be more than one lobe.
+    #[inline]
+    fn may_mix(&self) -> bool {
+        #[cfg(target_arch = "spirv")]
+        {
+            self.features & features::MIXTURES != 0
+        }
+        #[cfg(not(target_arch = "spirv"))]
+        {
+            true
+        }
+    }
+
+    /// Where lobe `i` is: a constant if there may be but one, so that no shader needs an array.
+    #[inline]
+    fn place(&self, i: usize) -> usize {
+        if self.may_mix() { i } else { 0 }
     }
 
     /// A mixture of given lobes (the first `count`), for tests and for materials that are not in a table.
@@ -89,6 +126,8 @@ impl Bsdf {
             lobes,
             selection: [0.0; MAX_LOBES],
             count: count.min(MAX_LOBES as u32),
+            #[cfg(target_arch = "spirv")]
+            features: features::ALL,
         };
         bsdf.select(data, wi);
         bsdf
@@ -97,13 +136,14 @@ impl Bsdf {
     /// Fills the selection probabilities.
     #[inline]
     fn select(&mut self, data: &[f32], wi: Vec3) {
-        if self.count == 1 {
+        if self.count == 1 || !self.may_mix() {
             self.selection[0] = 1.0;
             return;
         }
         let mut sum = 0.0;
         for i in 0..self.count as usize {
-            let w = lobe::selection_weight(&self.lobes[i], data, wi);
+            let lobe = variable!(self.lobes[i]);
+            let w = lobe::selection_weight(lobe, data, wi);
             self.selection[i] = w;
             sum += w;
         }
@@ -139,6 +179,7 @@ impl Bsdf {
     pub fn eval_cosine(&self, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         let mut f = Vec3::ZERO;
         for i in 0..self.count as usize {
+            let i = self.place(i);
             let lobe = variable!(self.lobes[i]);
             f += lobe::eval_cosine(lobe, data, wi, wo) * lobe.weight;
         }
@@ -150,6 +191,7 @@ impl Bsdf {
     pub fn pdf(&self, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         let mut p = 0.0;
         for i in 0..self.count as usize {
+            let i = self.place(i);
             let lobe = variable!(self.lobes[i]);
             p += lobe::pdf(lobe, data, wi, wo) * self.selection[i];
         }
@@ -168,13 +210,13 @@ impl Bsdf {
         let mut f = Vec3::ZERO;
         let mut p = 0.0;
         for i in 0..self.count as usize {
-            if i == skip {
-                continue;
+            let i = self.place(i);
+            if i != skip {
+                let lobe = variable!(self.lobes[i]);
+                let (lobe_f, lobe_p) = lobe::eval_cosine_pdf(lobe, data, wi, wo);
+                f += lobe_f * lobe.weight;
+                p += lobe_p * self.selection[i];
             }
-            let lobe = variable!(self.lobes[i]);
-            let (lobe_f, lobe_p) = lobe::eval_cosine_pdf(lobe, data, wi, wo);
-            f += lobe_f * lobe.weight;
-            p += lobe_p * self.selection[i];
         }
         (f, p)
     }
@@ -182,50 +224,96 @@ impl Bsdf {
     /// A direction with weight f |cos| / pdf of the whole mixture.
     #[inline]
     pub fn sample(&self, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
+        let (sample, chosen) = self.sample_lobe(data, wi, u1, u2);
+        self.mix(data, wi, sample, chosen)
+    }
+
+    /// A direction of one of the lobes, and which; [`Bsdf::mix`] makes it a sample of the mixture. The two are apart for
+    /// shaders, whose compilers take long for both at once.
+    #[inline]
+    pub fn sample_lobe(&self, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> (BsdfSample, u32) {
         if self.count == 0 {
-            return BsdfSample::NONE;
+            return (BsdfSample::NONE, 0);
         }
         // Inversion of the discrete distribution; the remainder of u1 is uniform again.
         let mut chosen = 0;
         let mut u = u1;
-        while chosen + 1 < self.count as usize && u >= self.selection[chosen] {
-            u -= self.selection[chosen];
-            chosen += 1;
+        if self.may_mix() {
+            while chosen + 1 < self.count as usize && u >= self.selection[chosen] {
+                u -= self.selection[chosen];
+                chosen += 1;
+            }
         }
         let q = self.selection[chosen];
         if q <= 0.0 {
-            return BsdfSample::NONE;
+            return (BsdfSample::NONE, 0);
         }
         let lobe = variable!(self.lobes[chosen]);
-        let mut s = lobe::sample(lobe, data, wi, (u / q).min(ONE_MINUS_EPSILON), u2);
+        let u = (u / q).min(ONE_MINUS_EPSILON);
+        (lobe::sample(lobe, data, wi, u, u2), chosen as u32)
+    }
+
+    /// A sample of the mixture from one of its lobe `chosen`.
+    #[inline]
+    pub fn mix(&self, data: &[f32], wi: Vec3, sample: BsdfSample, chosen: u32) -> BsdfSample {
+        let mut s = sample;
         if s.pdf <= 0.0 {
             return BsdfSample::NONE;
         }
-        if self.count == 1 {
-            s.weight *= lobe.weight;
+        let chosen = self.place(chosen as usize);
+        let q = self.selection[chosen];
+        // Only the direction is known, in shaders: see `model::sample`.
+        let is_direction = self.may_need_values() && s.event & event::UNWEIGHTED != 0;
+        if !is_direction {
+            if self.count == 1 || !self.may_mix() {
+                s.weight *= self.lobes[chosen].weight;
+                return s;
+            }
+            if s.event & event::DELTA != 0 {
+                s.weight *= self.lobes[chosen].weight / q;
+                s.pdf *= q;
+                return s;
+            }
+        }
+        let skip = if is_direction { MAX_LOBES } else { chosen };
+        let (f, p) = self.eval_cosine_pdf_but(data, wi, s.wo, skip);
+        if is_direction {
+            if p <= 0.0 {
+                return BsdfSample::NONE;
+            }
+            s.event &= !event::UNWEIGHTED;
+            s.pdf = p;
+            s.weight = f / p;
             return s;
         }
-        if s.event & event::DELTA != 0 {
-            s.weight *= lobe.weight / q;
-            s.pdf *= q;
-            return s;
-        }
-        let (f, p) = self.eval_cosine_pdf_but(data, wi, s.wo, chosen);
-        let value = s.weight * (s.pdf * lobe.weight) + f;
+        let value = s.weight * (s.pdf * self.lobes[chosen].weight) + f;
         s.pdf = s.pdf * q + p;
         s.weight = value / s.pdf;
         s
     }
 
+    /// Whether lobes may leave their value and density to [`Bsdf::mix`]: in shaders, see [`super::model::sample`].
+    #[inline]
+    fn may_need_values(&self) -> bool {
+        #[cfg(target_arch = "spirv")]
+        {
+            self.features & super::model::UNWEIGHTED_KINDS != 0
+        }
+        #[cfg(not(target_arch = "spirv"))]
+        {
+            false
+        }
+    }
+
     /// Whether some direction has a density: whether next event estimation can contribute.
     #[inline]
     pub fn has_smooth(&self) -> bool {
+        let mut found = false;
         for i in 0..self.count as usize {
-            if !lobe::is_delta(self.lobes[i].kind) {
-                return true;
-            }
+            let i = self.place(i);
+            found = found || !lobe::is_delta(self.lobes[i].kind);
         }
-        false
+        found
     }
 
     /// Whether some direction is a discrete one.
@@ -256,10 +344,31 @@ impl Bsdf {
     pub fn albedo(&self, data: &[f32], wi: Vec3) -> Rgb {
         let mut sum = Vec3::ZERO;
         for i in 0..self.count as usize {
-            sum += lobe::albedo(&self.lobes[i], data, wi) * self.lobes[i].weight;
+            let lobe = variable!(self.lobes[i]);
+            sum += lobe::albedo(lobe, data, wi) * lobe.weight;
         }
         sum
     }
+}
+
+/// [`Bsdf::null_transmittance`] of the material of `point`, which depends on no direction, without the other lobes.
+#[inline]
+pub fn null_transmittance(tables: &Tables<'_>, point: &SurfacePoint) -> Rgb {
+    if point.material == NONE {
+        return Vec3::ZERO;
+    }
+    if !tables.has(features::lobe(lobe_kind::NULL)) {
+        return Vec3::ZERO;
+    }
+    let material = &tables.materials[point.material as usize];
+    let mut sum = 0.0;
+    for i in 0..material.lobe_count {
+        let record = &tables.lobes[(material.first_lobe + i) as usize];
+        if record.kind == lobe_kind::NULL {
+            sum += weight(tables, record, point);
+        }
+    }
+    Vec3::splat(float::abs(sum).min(1.0))
 }
 
 /// Largest `f32` below one.
@@ -269,6 +378,9 @@ const ONE_MINUS_EPSILON: f32 = 1.0 - 0.5 * f32::EPSILON;
 #[inline]
 fn weight(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> f32 {
     let mut product = 1.0;
+    if !tables.has(features::FACTORS) {
+        return product;
+    }
     for i in 0..record.factor_count {
         let factor = &tables.factors[(record.first_factor + i) as usize];
         let value = eval_scalar(tables, &factor.parameter, point)
@@ -301,11 +413,13 @@ fn fill_lobe(
     if record.kind == lobe_kind::NULL {
         return;
     }
-    lobe.coat_count = record.coat_count.min(MAX_COATS as u32);
-    for i in 0..lobe.coat_count as usize {
-        lobe.coats[i] = coat_at(tables, &record.coats[i], point);
+    if tables.has(features::COATS) {
+        lobe.coat_count = record.coat_count.min(MAX_COATS as u32);
+        for i in 0..lobe.coat_count as usize {
+            lobe.coats[i] = coat_at(tables, &record.coats[i], point);
+        }
     }
-    if record.frame != NONE {
+    if tables.has(features::FRAME_MAPS) && record.frame != NONE {
         // Two-sided lobes see wi mirrored to the front.
         let flip = wi.z < 0.0 && record.flags & lobe_flag::FLIP_BACK != 0;
         let wi = if flip {
@@ -357,7 +471,11 @@ fn fill_lobe(
     {
         lobe.alpha = microfacet::clamp_alpha(Vec2::new(p[6].x, p[7].x));
     }
-    if record.kind == lobe_kind::ROUGH_PLASTIC && record.table != NONE && record.table_rows > 1 {
+    if tables.has(features::lobe(lobe_kind::ROUGH_PLASTIC))
+        && record.kind == lobe_kind::ROUGH_PLASTIC
+        && record.table != NONE
+        && record.table_rows > 1
+    {
         lobe.internal_reflectance = rough_transmittance::internal_reflectance(
             tables.data,
             record.table,
@@ -395,7 +513,7 @@ fn parameters(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) ->
         record.exponent.texture,
     ];
     for i in 0..9 {
-        if textures[i] != NONE {
+        if tables.has(features::TEXTURES) && textures[i] != NONE {
             let texel = eval_at_point(tables, textures[i], point);
             values[i] *= if i < 6 {
                 texel

@@ -33,7 +33,7 @@ pub mod thin_dielectric;
 
 pub use coat::Coat;
 pub use local_roughness::local_beckmann_roughness;
-pub use mixture::Bsdf;
+pub use mixture::{Bsdf, null_transmittance};
 
 use crate::math::{Frame, Rgb};
 use glam::{Vec2, Vec3};
@@ -58,6 +58,8 @@ pub mod event {
     pub const DIFFUSE: u32 = 16;
     /// Straight through, as if nothing were there.
     pub const NULL: u32 = 32;
+    /// Only the direction is set, weight and density are not: within shaders, never of a finished sample.
+    pub const UNWEIGHTED: u32 = 64;
 }
 
 /// Which quantity travels along the path, for the scaling of refracted radiance.
@@ -92,6 +94,31 @@ impl BsdfSample {
         eta: 1.0,
         event: 0,
     };
+
+    /// A reflected direction that has not been weighted.
+    #[inline]
+    pub(crate) fn towards(wo: Vec3, event: u32) -> BsdfSample {
+        BsdfSample {
+            wo,
+            weight: Vec3::ONE,
+            pdf: 1.0,
+            eta: 1.0,
+            event,
+        }
+    }
+
+    /// The sample with its density and the BSDF's value there.
+    #[inline]
+    pub(crate) fn weighted(self, pdf: f32, value: Rgb) -> BsdfSample {
+        if pdf <= 0.0 {
+            return BsdfSample::NONE;
+        }
+        BsdfSample {
+            weight: value * (self.wo.z / pdf),
+            pdf,
+            ..self
+        }
+    }
 }
 
 /// A scattering model with its parameters looked up at a point.
@@ -137,4 +164,7 @@ pub struct Lobe {
     pub exponent: f32,
     /// One of [`mode`].
     pub mode: u32,
+    /// What there is in the scene, see [`crate::scene::features`].
+    #[cfg(target_arch = "spirv")]
+    pub features: u32,
 }

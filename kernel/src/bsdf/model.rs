@@ -6,26 +6,46 @@
 use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::{
     BsdfSample, Lobe, coat_reflection, conductor, dielectric, diffracting_conductor, diffuse,
-    event, merl, null, plastic, rough_conductor, rough_dielectric, rough_diffuse, rough_plastic,
+    event, merl, plastic, rough_conductor, rough_dielectric, rough_diffuse, rough_plastic,
     thin_dielectric,
 };
 use crate::math::{Rgb, float};
-use crate::scene::lobe_kind;
+use crate::scene::{features, lobe_kind};
 use glam::{Vec2, Vec3};
 
 /// The BSDF without a cosine.
 #[inline]
 pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     match lobe.kind {
-        lobe_kind::DIFFUSE => diffuse::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::eval(lobe, wi, wo),
-        lobe_kind::PLASTIC => plastic::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_PLASTIC => rough_plastic::eval(lobe, data, wi, wo),
-        lobe_kind::ROUGH_COAT => coat_reflection::eval(lobe, wi, wo),
-        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::eval(lobe, wi, wo),
-        lobe_kind::MERL => merl::eval(lobe, data, wi, wo),
-        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::eval(lobe, data, wi, wo),
+        lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
+            diffuse::eval(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::ROUGH_CONDUCTOR)) => {
+            rough_conductor::eval(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIELECTRIC)) => {
+            rough_dielectric::eval(lobe, wi, wo)
+        }
+        lobe_kind::PLASTIC if lobe.may_be(features::lobe(lobe_kind::PLASTIC)) => {
+            plastic::eval(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_PLASTIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_PLASTIC)) => {
+            rough_plastic::eval(lobe, data, wi, wo)
+        }
+        lobe_kind::ROUGH_COAT if lobe.may_be(features::lobe(lobe_kind::ROUGH_COAT)) => {
+            coat_reflection::eval(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_DIFFUSE if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIFFUSE)) => {
+            rough_diffuse::eval(lobe, wi, wo)
+        }
+        lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
+            merl::eval(lobe, data, wi, wo)
+        }
+        lobe_kind::DIFFRACTING_CONDUCTOR
+            if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
+        {
+            diffracting_conductor::eval(lobe, data, wi, wo)
+        }
         // Discrete directions have no value.
         _ => Vec3::ZERO,
     }
@@ -35,55 +55,231 @@ pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
 #[inline]
 pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     match lobe.kind {
-        lobe_kind::DIFFUSE => diffuse::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::pdf(lobe, wi, wo),
-        lobe_kind::PLASTIC => plastic::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_PLASTIC => rough_plastic::pdf(lobe, data, wi, wo),
-        lobe_kind::ROUGH_COAT => coat_reflection::pdf(lobe, wi, wo),
-        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::pdf(lobe, wi, wo),
-        lobe_kind::MERL => merl::pdf(lobe, data, wi, wo),
-        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::pdf(lobe, data, wi, wo),
+        lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
+            diffuse::pdf(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::ROUGH_CONDUCTOR)) => {
+            rough_conductor::pdf(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIELECTRIC)) => {
+            rough_dielectric::pdf(lobe, wi, wo)
+        }
+        lobe_kind::PLASTIC if lobe.may_be(features::lobe(lobe_kind::PLASTIC)) => {
+            plastic::pdf(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_PLASTIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_PLASTIC)) => {
+            rough_plastic::pdf(lobe, data, wi, wo)
+        }
+        lobe_kind::ROUGH_COAT if lobe.may_be(features::lobe(lobe_kind::ROUGH_COAT)) => {
+            coat_reflection::pdf(lobe, wi, wo)
+        }
+        lobe_kind::ROUGH_DIFFUSE if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIFFUSE)) => {
+            rough_diffuse::pdf(lobe, wi, wo)
+        }
+        lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
+            merl::pdf(lobe, data, wi, wo)
+        }
+        lobe_kind::DIFFRACTING_CONDUCTOR
+            if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
+        {
+            diffracting_conductor::pdf(lobe, data, wi, wo)
+        }
         _ => 0.0,
     }
 }
 
 /// A direction in the model's frame with weight f |cos| / pdf.
+#[cfg(not(target_arch = "spirv"))]
 #[inline]
 pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     match lobe.kind {
-        lobe_kind::DIFFUSE => diffuse::sample(lobe, wi, u1, u2),
-        lobe_kind::CONDUCTOR => conductor::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::sample(lobe, wi, u1, u2),
-        lobe_kind::DIELECTRIC => dielectric::sample(lobe, wi, u1, u2),
-        lobe_kind::THIN_DIELECTRIC => thin_dielectric::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::sample(lobe, wi, u1, u2),
-        lobe_kind::PLASTIC => plastic::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_PLASTIC => rough_plastic::sample(lobe, data, wi, u1, u2),
-        lobe_kind::COAT | lobe_kind::ROUGH_COAT => coat_reflection::sample(lobe, wi, u1, u2),
-        lobe_kind::MERL => merl::sample(lobe, data, wi, u1, u2),
-        lobe_kind::NULL => null::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_DIFFUSE => rough_diffuse::sample(lobe, wi, u1, u2),
-        lobe_kind::DIFFRACTING_CONDUCTOR => diffracting_conductor::sample(lobe, data, wi, u1, u2),
+        lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
+            diffuse::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::CONDUCTOR)) => {
+            conductor::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::ROUGH_CONDUCTOR)) => {
+            rough_conductor::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::DIELECTRIC)) => {
+            dielectric::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::THIN_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::THIN_DIELECTRIC)) => {
+            thin_dielectric::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIELECTRIC)) => {
+            rough_dielectric::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::PLASTIC if lobe.may_be(features::lobe(lobe_kind::PLASTIC)) => {
+            plastic::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_PLASTIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_PLASTIC)) => {
+            rough_plastic::sample(lobe, data, wi, u1, u2)
+        }
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT
+            if lobe.may_be(
+                features::lobe(lobe_kind::COAT) | features::lobe(lobe_kind::ROUGH_COAT),
+            ) =>
+        {
+            coat_reflection::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
+            merl::sample(lobe, data, wi, u1, u2)
+        }
+        lobe_kind::NULL if lobe.may_be(features::lobe(lobe_kind::NULL)) => {
+            super::null::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_DIFFUSE if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIFFUSE)) => {
+            rough_diffuse::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::DIFFRACTING_CONDUCTOR
+            if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
+        {
+            diffracting_conductor::sample(lobe, data, wi, u1, u2)
+        }
         _ => BsdfSample::NONE,
     }
+}
+
+/// The kinds, as features, of which [`sample`] finds the direction only.
+#[cfg(target_arch = "spirv")]
+pub const UNWEIGHTED_KINDS: u32 = features::lobe(lobe_kind::ROUGH_PLASTIC)
+    | features::lobe(lobe_kind::ROUGH_COAT)
+    | features::lobe(lobe_kind::MERL)
+    | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR);
+
+/// A direction in the model's frame, without its weight where [`event::UNWEIGHTED`] says so.
+///
+/// This is the host's function arranged for shader compilers, which copy all functions to their callers: normals are
+/// sampled in one place for all rough models, and value and density of a direction are left to
+/// [`super::Bsdf::mix`], which evaluates all lobes there anyway.
+#[cfg(target_arch = "spirv")]
+#[inline]
+pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
+    let kind = lobe.kind;
+    let is_rough = kind == lobe_kind::ROUGH_CONDUCTOR || kind == lobe_kind::ROUGH_DIELECTRIC;
+    let takes_values = UNWEIGHTED_KINDS & features::lobe(kind) != 0;
+    if (takes_values || kind == lobe_kind::ROUGH_CONDUCTOR || kind == lobe_kind::COAT)
+        && wi.z <= 0.0
+        || kind == lobe_kind::DIFFRACTING_CONDUCTOR && lobe.table == crate::scene::NONE
+        || kind == lobe_kind::ROUGH_DIELECTRIC && wi.z == 0.0
+    {
+        return BsdfSample::NONE;
+    }
+    if kind == lobe_kind::ROUGH_DIELECTRIC
+        && float::abs(lobe.eta.x - 1.0) <= rough_dielectric::INDEX_MATCHED
+    {
+        return rough_dielectric::straight(lobe, wi);
+    }
+    let mut m = Vec3::Z;
+    let may_be_rough = lobe.may_be(
+        features::lobe(lobe_kind::ROUGH_CONDUCTOR)
+            | features::lobe(lobe_kind::ROUGH_DIELECTRIC)
+            | features::lobe(lobe_kind::ROUGH_PLASTIC)
+            | features::lobe(lobe_kind::ROUGH_COAT)
+            | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR),
+    );
+    if may_be_rough && (is_rough || takes_values) {
+        let facets = lobe.microfacets();
+        let all = is_rough && lobe.flags & crate::scene::lobe_flag::SAMPLE_ALL_NORMALS != 0;
+        m = if all {
+            facets.sample_normal(u2)
+        } else {
+            facets.sample_visible_normal(rough_dielectric::above(wi), u2)
+        };
+    }
+    let mut s = match kind {
+        lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
+            diffuse::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::CONDUCTOR)) => {
+            conductor::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::ROUGH_CONDUCTOR)) => {
+            rough_conductor::at_normal(lobe, wi, m)
+        }
+        lobe_kind::DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::DIELECTRIC)) => {
+            dielectric::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::THIN_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::THIN_DIELECTRIC)) => {
+            thin_dielectric::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIELECTRIC)) => {
+            rough_dielectric::at_normal(lobe, wi, u1, m)
+        }
+        lobe_kind::PLASTIC if lobe.may_be(features::lobe(lobe_kind::PLASTIC)) => {
+            plastic::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_PLASTIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_PLASTIC)) => {
+            rough_plastic::direction(lobe, data, wi, u1, u2, || m)
+        }
+        lobe_kind::COAT if lobe.may_be(features::lobe(lobe_kind::COAT)) => {
+            coat_reflection::smooth(lobe, wi)
+        }
+        lobe_kind::ROUGH_COAT if lobe.may_be(features::lobe(lobe_kind::ROUGH_COAT)) => {
+            coat_reflection::direction(wi, m)
+        }
+        lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
+            merl::direction(lobe, data, wi, u1, u2)
+        }
+        lobe_kind::ROUGH_DIFFUSE if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIFFUSE)) => {
+            rough_diffuse::sample(lobe, wi, u1, u2)
+        }
+        lobe_kind::DIFFRACTING_CONDUCTOR
+            if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
+        {
+            diffracting_conductor::direction(lobe, data, wi, u1, u2, || m)
+        }
+        _ => BsdfSample::NONE,
+    };
+    if takes_values {
+        s.event |= event::UNWEIGHTED;
+    }
+    s
 }
 
 /// What the model reflects and transmits, roughly; see [`super::lobe::albedo`].
 #[inline]
 pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     match lobe.kind {
-        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => lobe.reflectance,
-        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
+        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE
+            if lobe.may_be(
+                features::lobe(lobe_kind::DIFFUSE) | features::lobe(lobe_kind::ROUGH_DIFFUSE),
+            ) =>
+        {
+            lobe.reflectance
+        }
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR
+            if lobe.may_be(
+                features::lobe(lobe_kind::CONDUCTOR)
+                    | features::lobe(lobe_kind::ROUGH_CONDUCTOR)
+                    | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR),
+            ) =>
+        {
             lobe.specular_reflectance * fresnel_conductor(wi.z, lobe.eta, lobe.k)
         }
-        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => lobe.reflectance,
-        lobe_kind::NULL => Vec3::ONE,
+        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC
+            if lobe.may_be(
+                features::lobe(lobe_kind::PLASTIC) | features::lobe(lobe_kind::ROUGH_PLASTIC),
+            ) =>
+        {
+            lobe.reflectance
+        }
+        lobe_kind::NULL if lobe.may_be(features::lobe(lobe_kind::NULL)) => Vec3::ONE,
         // Cells are coarse: where the albedo of one is nothing, some direction may still reflect.
-        lobe_kind::MERL => merl::albedo(lobe, data, float::abs(wi.z))
-            .max(Vec3::splat(1e-3))
-            .min(Vec3::ONE),
-        lobe_kind::COAT | lobe_kind::ROUGH_COAT => lobe.specular_reflectance * coat_share(lobe, wi),
+        lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
+            merl::albedo(lobe, data, float::abs(wi.z))
+                .max(Vec3::splat(1e-3))
+                .min(Vec3::ONE)
+        }
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT
+            if lobe.may_be(
+                features::lobe(lobe_kind::COAT) | features::lobe(lobe_kind::ROUGH_COAT),
+            ) =>
+        {
+            lobe.specular_reflectance * coat_share(lobe, wi)
+        }
         _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
     }
 }

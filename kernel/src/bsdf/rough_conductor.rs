@@ -53,6 +53,14 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     } else {
         facets.sample_visible_normal(wi, u2)
     };
+    at_normal(lobe, wi, m)
+}
+
+/// The reflection of [`sample`] at its normal.
+#[inline]
+pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
+    let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
+    let facets = lobe.microfacets();
     let cos_i = wi.dot(m);
     let wo = reflect(wi, m);
     if cos_i <= 0.0 || wo.z <= 0.0 {

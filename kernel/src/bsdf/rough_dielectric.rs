@@ -139,13 +139,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
         return BsdfSample::NONE;
     }
     if abs(lobe.eta.x - 1.0) <= INDEX_MATCHED {
-        return BsdfSample {
-            wo: -wi,
-            weight: lobe.specular_transmittance,
-            pdf: 1.0,
-            eta: 1.0,
-            event: event::DELTA | event::TRANSMISSION,
-        };
+        return straight(lobe, wi);
     }
     let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
     let facets = lobe.microfacets();
@@ -154,6 +148,14 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     } else {
         facets.sample_visible_normal(above(wi), u2)
     };
+    at_normal(lobe, wi, u1, m)
+}
+
+/// The reflection or refraction of [`sample`] at its normal.
+#[inline]
+pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
+    let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
+    let facets = lobe.microfacets();
     let cos_i = wi.dot(m);
     if cos_i * wi.z <= 0.0 {
         return BsdfSample::NONE;
@@ -200,9 +202,21 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     s
 }
 
+/// Straight on, where there is no boundary.
+#[inline]
+pub(super) fn straight(lobe: &Lobe, wi: Vec3) -> BsdfSample {
+    BsdfSample {
+        wo: -wi,
+        weight: lobe.specular_transmittance,
+        pdf: 1.0,
+        eta: 1.0,
+        event: event::DELTA | event::TRANSMISSION,
+    }
+}
+
 /// The direction or its opposite, whichever is above the surface: microfacets look alike from both sides.
 #[inline]
-fn above(w: Vec3) -> Vec3 {
+pub(super) fn above(w: Vec3) -> Vec3 {
     if w.z < 0.0 { -w } else { w }
 }
 

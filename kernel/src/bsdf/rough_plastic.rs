@@ -44,23 +44,29 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if wi.z <= 0.0 {
         return BsdfSample::NONE;
     }
+    let s = direction(lobe, data, wi, u1, u2, || {
+        lobe.microfacets().sample_visible_normal(wi, u2)
+    });
+    let pdf = pdf(lobe, data, wi, s.wo);
+    s.weighted(pdf, eval(lobe, data, wi, s.wo))
+}
+
+/// The direction of [`sample`], `normal` finds the visible normal of `u2`.
+#[inline]
+pub(super) fn direction(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    normal: impl FnOnce() -> Vec3,
+) -> BsdfSample {
     let p = plastic::specular_probability(lobe, wi.z, 1.0 - passed(lobe, data, wi.z));
-    let (wo, kind) = if u1 < p {
-        let m = lobe.microfacets().sample_visible_normal(wi, u2);
-        (reflect(wi, m), event::GLOSSY)
+    if u1 < p {
+        BsdfSample::towards(reflect(wi, normal()), event::REFLECTION | event::GLOSSY)
     } else {
-        (warp::square_to_cosine_hemisphere(u2), event::DIFFUSE)
-    };
-    let pdf = pdf(lobe, data, wi, wo);
-    if pdf <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    BsdfSample {
-        wo,
-        weight: eval(lobe, data, wi, wo) * (wo.z / pdf),
-        pdf,
-        eta: 1.0,
-        event: event::REFLECTION | kind,
+        let wo = warp::square_to_cosine_hemisphere(u2);
+        BsdfSample::towards(wo, event::REFLECTION | event::DIFFUSE)
     }
 }
 

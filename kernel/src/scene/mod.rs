@@ -6,6 +6,7 @@
 pub mod bvh2;
 pub mod camera;
 pub mod emitter;
+pub mod features;
 pub mod intersect;
 pub mod quadric;
 pub mod records;

@@ -6,6 +6,7 @@
 //! positions and tangents by the map and normals by its inverse transpose, so a mirrored instance keeps its outside
 //! outside; the orientation conventions are those of Mitsuba 3 (neither normal is turned towards the other).
 
+use super::features;
 use super::intersect::{ROUNDING, offset_by, segment};
 use super::quadric::{quadric_point, quadric_point_with};
 use super::traverse::Hit;
@@ -107,9 +108,10 @@ pub fn surface_at(tables: &Tables<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
 #[inline]
 pub fn surface_with<const DETAIL: u32>(tables: &Tables<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
     let triangle_count = tables.triangles.len() as u32;
-    if hit.primitive < triangle_count {
+    let has_quadrics = tables.has(features::QUADRICS);
+    if tables.has(features::TRIANGLES) && (!has_quadrics || hit.primitive < triangle_count) {
         let mut p = triangle_point_with::<DETAIL>(tables, hit.primitive, hit.b1, hit.b2);
-        if hit.instance != 0 {
+        if tables.has(features::INSTANCES) && hit.instance != 0 {
             place(tables, &mut p, hit.instance);
         }
         return p;
@@ -117,7 +119,7 @@ pub fn surface_with<const DETAIL: u32>(tables: &Tables<'_>, ray: &Ray, hit: &Hit
     let quadric = hit.primitive - triangle_count;
     let to_object = &tables.quadrics[quadric as usize].to_object;
     let (mut origin, mut direction) = (ray.origin, ray.direction);
-    if hit.instance != 0 {
+    if tables.has(features::INSTANCES) && hit.instance != 0 {
         let to_group = &tables.instances[hit.instance as usize].to_object;
         origin = transform_point(to_group, origin);
         direction = transform_vector(to_group, direction);
@@ -125,7 +127,7 @@ pub fn surface_with<const DETAIL: u32>(tables: &Tables<'_>, ray: &Ray, hit: &Hit
     origin = transform_point(to_object, origin);
     direction = transform_vector(to_object, direction);
     let mut p = quadric_point_with::<DETAIL>(tables, quadric, origin + direction * hit.t);
-    if hit.instance != 0 {
+    if tables.has(features::INSTANCES) && hit.instance != 0 {
         place(tables, &mut p, hit.instance);
     }
     p

@@ -6,6 +6,7 @@
 //! or absurdly large read some texel. Conventions were taken from an independent renderer's output; the tests hold
 //! the numbers.
 
+use super::features;
 use super::records::*;
 use super::surface::SurfacePoint;
 use super::view::Tables;
@@ -38,7 +39,7 @@ impl Place {
 /// A colour parameter at a surface point.
 #[inline]
 pub fn eval_rgb(tables: &Tables<'_>, parameter: &RgbParameter, point: &SurfacePoint) -> Rgb {
-    if parameter.texture == NONE {
+    if !tables.has(features::TEXTURES) || parameter.texture == NONE {
         return vec3(parameter.value);
     }
     vec3(parameter.value) * eval_at(tables, parameter.texture, Place::on_surface(point))
@@ -47,7 +48,7 @@ pub fn eval_rgb(tables: &Tables<'_>, parameter: &RgbParameter, point: &SurfacePo
 /// A scalar parameter at a surface point; a texture counts by its luminance.
 #[inline]
 pub fn eval_scalar(tables: &Tables<'_>, parameter: &ScalarParameter, point: &SurfacePoint) -> f32 {
-    if parameter.texture == NONE {
+    if !tables.has(features::TEXTURES) || parameter.texture == NONE {
         return parameter.value;
     }
     parameter.value * luminance(eval_at(tables, parameter.texture, Place::on_surface(point)))
@@ -126,15 +127,20 @@ fn resolve(tables: &Tables<'_>, texture: u32, uv: Vec2) -> (u32, Rgb) {
 
 #[inline]
 fn eval_at(tables: &Tables<'_>, texture: u32, place: Place) -> Rgb {
+    if !tables.has(features::TEXTURES) {
+        return Vec3::ZERO;
+    }
     let (leaf, factor) = resolve(tables, texture, place.uv);
     if leaf == NONE {
         return factor;
     }
     let record = &tables.textures[leaf as usize];
-    if record.kind == texture_kind::BITMAP {
+    if tables.has(features::BITMAPS) && record.kind == texture_kind::BITMAP {
         factor * bitmap(tables, record, transform_uv(record, place.uv))
-    } else {
+    } else if tables.has(features::ATTRIBUTES) {
         factor * attribute(tables, record, place)
+    } else {
+        Vec3::ZERO
     }
 }
 

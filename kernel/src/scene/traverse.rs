@@ -1,9 +1,11 @@
 //! What a ray tracer must answer.
 
 use crate::math::Ray;
+use bytemuck::{Pod, Zeroable};
 
 /// The nearest intersection along a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Hit {
     /// Ray parameter; [`f32::MAX`] when nothing was hit.
     pub t: f32,

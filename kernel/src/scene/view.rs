@@ -40,6 +40,9 @@ pub struct Tables<'a> {
     pub camera: Camera,
     /// Facts about the whole.
     pub info: SceneInfo,
+    /// What there is, see [`super::features`]: a constant of the shader.
+    #[cfg(target_arch = "spirv")]
+    pub features: u32,
 }
 
 /// Tables and a ray tracer over them.

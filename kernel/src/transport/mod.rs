@@ -5,8 +5,10 @@
 
 pub mod ambient_occlusion;
 pub mod aov;
+pub mod connection;
 pub mod direct;
 pub mod path;
+pub mod staged;
 pub mod visibility;
 
 use crate::math::{Ray, Rgb};

@@ -11,38 +11,244 @@
 //! Densities are per solid angle at the vertex that scatters. Straight passage through a mask (a null event) leaves the
 //! vertex of reference, its density and the depth as they are. Paths end at `max_depth` edges, and at random from
 //! `rr_depth` edges on with survival min(max(beta) eta^2, 0.95), where eta^2 undoes the scaling of refracted radiance.
+//!
+//! The walk is written as steps of a [`Path`], which [`radiance`] calls in a loop and [`super::staged`] one by one with
+//! the path in a buffer.
 //! Invariant (tests): the mean does not depend on `rr_depth`, on the sampler or on which of the two techniques is used.
 
 use super::IntegratorSettings;
+use super::connection::{SampleCounts, connect, is_same_side, power_heuristic};
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
-use crate::bsdf::{Bsdf, event, mode};
+use crate::bsdf::{Bsdf, BsdfSample, event, mode, null_transmittance};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
-use crate::scene::{NONE, SceneView, SurfacePoint, Traverse, emitter};
+use crate::scene::{NONE, SceneView, SurfacePoint, Tables, Traverse, emitter};
 use glam::Vec3;
 
 /// Highest probability of survival, so that a lossless chain ends too.
 const MAX_SURVIVAL: f32 = 0.95;
 
-/// The power heuristic with exponent two for one sample of each technique.
-#[inline]
-pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
-    if pdf <= 0.0 {
-        return 0.0;
-    }
-    // As a ratio, because squares of densities overflow for narrow lobes.
-    let ratio = other / pdf;
-    1.0 / (1.0 + ratio * ratio)
+/// What a path does next: a number, as it is kept in a buffer.
+pub mod step {
+    /// Nothing.
+    pub const END: u32 = 0;
+    /// Follow its ray.
+    pub const TRACE: u32 = 1;
+    /// Scatter at the surface where it arrived.
+    pub const SCATTER: u32 = 2;
 }
 
-/// Where the walk scattered last, for the weight of emission that it meets.
-#[derive(Clone, Copy)]
-struct Scattering {
-    position: Vec3,
-    pdf: f32,
-    /// No emitter sample competes: sensor, or a delta lobe.
-    alone: bool,
+/// Where a walk scattered last, for the weight of emission that it meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattering {
+    /// The point.
+    pub position: Vec3,
+    /// Density of the direction taken, times the number of such samples.
+    pub pdf: f32,
+    /// Number of emitter samples that compete with it; zero at the sensor and for a delta lobe.
+    pub competing: f32,
+}
+
+impl Scattering {
+    /// Weight of light that the walk found itself and that an emitter sample finds with density `other`.
+    #[inline]
+    fn weight(&self, other: f32) -> f32 {
+        power_heuristic(self.pdf, self.competing * other)
+    }
+}
+
+/// A random walk from the sensor and what it has gathered.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    /// The ray that is followed next.
+    pub ray: Ray,
+    /// Light gathered.
+    pub radiance: Rgb,
+    /// Radiance along the first ray per radiance along this one.
+    pub throughput: Rgb,
+    /// Product of relative indices along the path.
+    pub eta: f32,
+    /// Where it scattered last.
+    pub last: Scattering,
+    /// Edges between scatterings so far.
+    pub depth: u32,
+    /// Masks and hidden emitters passed.
+    pub crossings: u32,
+}
+
+impl Path {
+    /// A path that has not left the sensor.
+    #[inline]
+    pub fn new(ray: &Ray) -> Path {
+        Path {
+            ray: *ray,
+            radiance: Rgb::ZERO,
+            throughput: Rgb::ONE,
+            eta: 1.0,
+            last: Scattering {
+                position: ray.origin,
+                pdf: 0.0,
+                competing: 0.0,
+            },
+            depth: 0,
+            crossings: 0,
+        }
+    }
+
+    /// Whether another edge is allowed.
+    #[inline]
+    pub fn may_go_on(&self, settings: &IntegratorSettings) -> bool {
+        self.depth < settings.max_depth
+    }
+
+    #[inline]
+    fn sees_emitters(&self, settings: &IntegratorSettings) -> bool {
+        self.depth > 0 || settings.hide_emitters == 0
+    }
+
+    /// Gathers the light from infinity where the ray met nothing; the path ends.
+    #[inline]
+    pub fn escape(&mut self, tables: &Tables<'_>, settings: &IntegratorSettings) {
+        if self.sees_emitters(settings) && tables.info.environment != NONE {
+            let (emitted, pdf) = emitter::environment_radiance_and_pdf(tables, self.ray.direction);
+            let weight = if self.last.competing > 0.0 {
+                self.last.weight(pdf)
+            } else {
+                1.0
+            };
+            self.radiance += self.throughput * emitted * weight;
+        }
+    }
+
+    /// Gathers what the surface at the ray's end emits; says what is next, one of [`step`].
+    #[inline]
+    pub fn arrive(
+        &mut self,
+        tables: &Tables<'_>,
+        settings: &IntegratorSettings,
+        point: &SurfacePoint,
+    ) -> u32 {
+        if point.emitter != NONE {
+            if !self.sees_emitters(settings) {
+                return self.pass(point);
+            }
+            self.gather(tables, point);
+        }
+        if self.depth + 1 >= settings.max_depth {
+            return step::END;
+        }
+        let wi = self.local_direction(point);
+        if settings.strict_normals != 0 && !is_same_side(point, -self.ray.direction, wi.z) {
+            return step::END;
+        }
+        step::SCATTER
+    }
+
+    /// Adds what the surface emits back along the ray.
+    #[inline]
+    pub fn gather(&mut self, tables: &Tables<'_>, point: &SurfacePoint) {
+        let emitted = emitter::area_radiance(tables, point, -self.ray.direction);
+        if emitted.max_element() > 0.0 {
+            let weight = if self.last.competing > 0.0 {
+                let other = emitter::pdf_direct(tables, self.last.position, point);
+                self.last.weight(other)
+            } else {
+                1.0
+            };
+            self.radiance += self.throughput * emitted * weight;
+        }
+    }
+
+    /// The direction back along the ray, in the frame of the point where it arrived.
+    #[inline]
+    pub fn local_direction(&self, point: &SurfacePoint) -> Vec3 {
+        point.frame.to_local(-self.ray.direction)
+    }
+
+    /// Goes straight on behind the surface with what its masks let pass; says what is next, one of [`step`].
+    #[inline]
+    pub fn look_through(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
+        self.throughput *= null_transmittance(tables, point);
+        if self.throughput.max_element() <= 0.0 {
+            return step::END;
+        }
+        self.pass(point)
+    }
+
+    /// Goes straight on through the surface.
+    #[inline]
+    fn pass(&mut self, point: &SurfacePoint) -> u32 {
+        self.crossings += 1;
+        if self.crossings > MAX_NULL_CROSSINGS {
+            return step::END;
+        }
+        pass_through(&mut self.ray, point);
+        step::TRACE
+    }
+
+    /// Leaves the surface along a direction that the BSDF samples; says whether the path goes on, one of [`step`].
+    #[inline]
+    pub fn scatter<S: Sampler>(
+        &mut self,
+        tables: &Tables<'_>,
+        settings: &IntegratorSettings,
+        sampler: &mut S,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        wi: Vec3,
+    ) -> u32 {
+        let u1 = sampler.next_1d();
+        let u2 = sampler.next_2d();
+        let sample = bsdf.sample(tables.data, wi, u1, u2);
+        self.leave(settings, sampler, point, &sample)
+    }
+
+    /// Leaves the surface along a sampled direction; says whether the path goes on, one of [`step`].
+    #[inline]
+    pub fn leave<S: Sampler>(
+        &mut self,
+        settings: &IntegratorSettings,
+        sampler: &mut S,
+        point: &SurfacePoint,
+        sample: &BsdfSample,
+    ) -> u32 {
+        if sample.pdf <= 0.0 {
+            return step::END;
+        }
+        self.throughput *= sample.weight;
+        if self.throughput.max_element() <= 0.0 {
+            return step::END;
+        }
+        if sample.event & event::NULL != 0 {
+            return self.pass(point);
+        }
+        let direction = point.frame.to_world(sample.wo).normalize();
+        if settings.strict_normals != 0 && !is_same_side(point, direction, sample.wo.z) {
+            return step::END;
+        }
+        self.last = Scattering {
+            position: point.position,
+            pdf: sample.pdf,
+            competing: if sample.event & event::DELTA != 0 {
+                0.0
+            } else {
+                1.0
+            },
+        };
+        self.eta *= sample.eta;
+        self.depth += 1;
+
+        if self.depth >= settings.rr_depth {
+            let survival = (self.throughput.max_element() * self.eta * self.eta).min(MAX_SURVIVAL);
+            if sampler.next_1d() >= survival {
+                return step::END;
+            }
+            self.throughput /= survival;
+        }
+        self.ray = point.spawn(direction);
+        step::TRACE
+    }
 }
 
 /// Radiance along `ray`, one sample.
@@ -53,168 +259,43 @@ pub fn radiance<T: Traverse, S: Sampler>(
     ray: &Ray,
 ) -> Rgb {
     let tables = &view.tables;
-    let mut ray = *ray;
-    let mut radiance = Rgb::ZERO;
-    let mut throughput = Rgb::ONE;
-    // Product of relative indices along the path.
-    let mut eta = 1.0;
-    let mut last = Scattering {
-        position: ray.origin,
-        pdf: 0.0,
-        alone: true,
-    };
+    let mut path = Path::new(ray);
     let mut bsdf = Bsdf::BLACK;
-    let mut depth = 0;
-    let mut crossings = 0;
 
-    while depth < settings.max_depth {
-        let hit = view.traverse.closest_hit(&ray);
-        let visible = depth > 0 || settings.hide_emitters == 0;
+    while path.may_go_on(settings) {
+        let hit = view.traverse.closest_hit(&path.ray);
         if !hit.is_hit() {
-            if visible && tables.info.environment != NONE {
-                let (emitted, pdf) = emitter::environment_radiance_and_pdf(tables, ray.direction);
-                let weight = if last.alone {
-                    1.0
-                } else {
-                    power_heuristic(last.pdf, pdf)
-                };
-                radiance += throughput * emitted * weight;
-            }
+            path.escape(tables, settings);
             break;
         }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
-        if point.emitter != NONE {
-            if !visible {
-                crossings += 1;
-                if crossings > MAX_NULL_CROSSINGS {
-                    break;
-                }
-                pass_through(&mut ray, &point);
-                continue;
-            }
-            let emitted = emitter::area_radiance(tables, &point, -ray.direction);
-            if emitted.max_element() > 0.0 {
-                let weight = if last.alone {
-                    1.0
-                } else {
-                    power_heuristic(last.pdf, emitter::pdf_direct(tables, last.position, &point))
-                };
-                radiance += throughput * emitted * weight;
-            }
-        }
-        if depth + 1 >= settings.max_depth {
-            break;
-        }
-
-        let wi = point.frame.to_local(-ray.direction);
-        if settings.strict_normals != 0 && !is_same_side(&point, -ray.direction, wi.z) {
-            break;
-        }
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        if bsdf.has_smooth() {
-            radiance += throughput
-                * emitter_sample(
-                    view,
-                    sampler,
-                    &point,
-                    &bsdf,
-                    wi,
-                    settings.strict_normals != 0,
-                    SampleCounts {
-                        emitter: 1.0,
-                        bsdf: 1.0,
-                    },
-                );
-        }
-
-        let u1 = sampler.next_1d();
-        let u2 = sampler.next_2d();
-        let sample = bsdf.sample(tables.data, wi, u1, u2);
-        if sample.pdf <= 0.0 {
-            break;
-        }
-        throughput *= sample.weight;
-        if throughput.max_element() <= 0.0 {
-            break;
-        }
-        if sample.event & event::NULL != 0 {
-            crossings += 1;
-            if crossings > MAX_NULL_CROSSINGS {
-                break;
-            }
-            pass_through(&mut ray, &point);
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &path.ray, &hit);
+        let next = path.arrive(tables, settings, &point);
+        if next == step::TRACE {
             continue;
         }
-        let direction = point.frame.to_world(sample.wo).normalize();
-        if settings.strict_normals != 0 && !is_same_side(&point, direction, sample.wo.z) {
+        if next == step::END {
             break;
         }
-        last = Scattering {
-            position: point.position,
-            pdf: sample.pdf,
-            alone: sample.event & event::DELTA != 0,
-        };
-        eta *= sample.eta;
-        depth += 1;
-
-        if depth >= settings.rr_depth {
-            let survival = (throughput.max_element() * eta * eta).min(MAX_SURVIVAL);
-            if sampler.next_1d() >= survival {
-                break;
+        let wi = path.local_direction(&point);
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
+        if bsdf.has_smooth() {
+            let light = connect(
+                tables,
+                sampler,
+                &point,
+                &bsdf,
+                wi,
+                settings.strict_normals != 0,
+                SampleCounts::ONE,
+            );
+            if light.is_some() {
+                path.radiance +=
+                    path.throughput * (light.radiance * transmittance(view, light.ray));
             }
-            throughput /= survival;
         }
-        ray = point.spawn(direction);
+        if path.scatter(tables, settings, sampler, &point, &bsdf, wi) == step::END {
+            break;
+        }
     }
-    radiance
-}
-
-/// Light of one emitter point reflected towards `wi`, one of `emitter_count` samples that compete with `bsdf_count`
-/// samples of the BSDF, divided by their number.
-pub(super) fn emitter_sample<T: Traverse, S: Sampler>(
-    view: &SceneView<'_, T>,
-    sampler: &mut S,
-    point: &SurfacePoint,
-    bsdf: &Bsdf,
-    wi: Vec3,
-    strict_normals: bool,
-    counts: SampleCounts,
-) -> Rgb {
-    let tables = &view.tables;
-    let u_select = sampler.next_1d();
-    let u = sampler.next_2d();
-    let light = emitter::sample_direct(tables, point.position, u_select, u);
-    if light.pdf <= 0.0 || light.radiance.max_element() <= 0.0 {
-        return Rgb::ZERO;
-    }
-    let wo = point.frame.to_local(light.direction);
-    if strict_normals && !is_same_side(point, light.direction, wo.z) {
-        return Rgb::ZERO;
-    }
-    let (value, pdf) = bsdf.eval_cosine_pdf(tables.data, wi, wo);
-    if value.max_element() <= 0.0 {
-        return Rgb::ZERO;
-    }
-    let weight = if light.is_delta {
-        1.0
-    } else {
-        power_heuristic(counts.emitter * light.pdf, counts.bsdf * pdf)
-    };
-    value
-        * light.radiance
-        * (weight / (light.pdf * counts.emitter))
-        * transmittance(view, point, &light)
-}
-
-/// How many samples of each technique a vertex takes.
-#[derive(Clone, Copy)]
-pub(super) struct SampleCounts {
-    pub emitter: f32,
-    pub bsdf: f32,
-}
-
-/// Whether a direction with local cosine `cos_theta` is on the same side of both normals.
-#[inline]
-pub(super) fn is_same_side(point: &SurfacePoint, direction: Vec3, cos_theta: f32) -> bool {
-    point.geometric_normal.dot(direction) * cos_theta > 0.0
+    path.radiance
 }

@@ -4,33 +4,27 @@
 //! the multiple importance sampling of a path that runs straight through a mask needs the density of its last real
 //! scattering only.
 
-use crate::bsdf::{Bsdf, mode};
+use crate::bsdf::null_transmittance;
 use crate::math::{Ray, Rgb};
-use crate::scene::emitter::DirectSample;
 use crate::scene::surface::{detail, surface_with};
-use crate::scene::{SceneView, SurfacePoint, Traverse, material_flag, scene_flag};
+use crate::scene::{
+    SceneView, SurfacePoint, Traverse, features, lobe_kind, material_flag, scene_flag,
+};
 
 /// Most masks that one straight line may pass before it counts as blocked.
 pub const MAX_NULL_CROSSINGS: u32 = 64;
 
-/// Transmittance in [0, 1] per channel from `point` to a sampled light.
-pub fn transmittance<T: Traverse>(
-    view: &SceneView<'_, T>,
-    point: &SurfacePoint,
-    light: &DirectSample,
-) -> Rgb {
-    let mut ray = if light.distance < f32::MAX {
-        point.segment_to(light.target)
-    } else {
-        point.spawn(light.direction)
-    };
-    if view.tables.info.flags & scene_flag::HAS_NULL == 0 {
-        return if view.traverse.is_occluded(&ray) {
+/// Transmittance in [0, 1] per channel along a segment, as that of [`super::connection::Connection`].
+pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb {
+    let has_masks = view.tables.has(features::lobe(lobe_kind::NULL));
+    if !has_masks || view.tables.info.flags & scene_flag::HAS_NULL == 0 {
+        return if view.traverse.is_occluded(&segment) {
             Rgb::ZERO
         } else {
             Rgb::ONE
         };
     }
+    let mut ray = segment;
     let mut remaining = Rgb::ONE;
     let mut crossings = 0;
     while crossings < MAX_NULL_CROSSINGS {
@@ -38,14 +32,12 @@ pub fn transmittance<T: Traverse>(
         if !hit.is_hit() {
             return remaining;
         }
-        let mask = surface_with::<{ detail::TANGENTS }>(&view.tables, &ray, &hit);
+        let mask = surface_with::<{ detail::NORMALS }>(&view.tables, &ray, &hit);
         let material = view.tables.materials[mask.material as usize];
         if material.flags & material_flag::HAS_NULL == 0 {
             return Rgb::ZERO;
         }
-        let wi = mask.frame.to_local(-ray.direction);
-        let bsdf = Bsdf::at(&view.tables, &mask, wi, mode::RADIANCE);
-        remaining *= bsdf.null_transmittance();
+        remaining *= null_transmittance(&view.tables, &mask);
         if !(remaining.max_element() > 0.0) {
             return Rgb::ZERO;
         }

@@ -2,44 +2,34 @@
 //!
 //! Set 0 holds the scene: bindings 0 to 14 the tables of `halflight_kernel::scene::Tables` in their order and in the
 //! very layout of the records, 15 and 16 the nodes of the kernel's BVH2 walk and what its leaves hold, 17 what is said
-//! once per scene, 18 the work items, 19 the results.
+//! once per scene, 18 the work items, 19 the results, 20 the paths of `halflight_kernel::transport::staged`.
 #![cfg_attr(target_arch = "spirv", no_std)]
 
+pub mod canary;
 #[path = "../../src/interface.rs"]
 pub mod interface;
-pub mod canary;
+pub mod paths;
 pub mod scene_entry;
 
-use halflight_kernel::transport::{self, ambient_occlusion, aov, path};
+use halflight_kernel::transport::{self, ambient_occlusion, aov};
 use scene_entry::{scene_entry, vector};
 
-scene_entry!(path_tracing, |view,
-                            settings,
-                            sampler,
-                            pixel,
-                            out,
-                            index| {
-    let radiance = transport::sample_pixel_with(&view, &mut sampler, pixel, |sampler, ray| {
-        path::radiance(&view, &settings, sampler, ray)
-    });
-    out[index] = vector(radiance, 1.0);
-});
-
-scene_entry!(occlusion, |view, settings, sampler, pixel, out, index| {
+scene_entry!(occlusion, |view, settings, work, out[slot], paths[path]| {
+    let (mut sampler, pixel) = work();
     let radiance = transport::sample_pixel_with(&view, &mut sampler, pixel, |sampler, ray| {
         ambient_occlusion::radiance(&view, &settings, sampler, ray)
     });
-    out[index] = vector(radiance, 1.0);
+    out[slot] = vector(radiance, 0.0);
 });
 
 scene_entry!(surface_features, |view,
                                 settings,
-                                sampler,
-                                pixel,
-                                out,
-                                index| {
+                                work,
+                                out[slot],
+                                paths[path]| {
+    let (mut sampler, pixel) = work();
     let (features, _) = aov::sample_pixel(&view, &mut sampler, pixel);
-    let at = 3 * index;
+    let at = 3 * slot;
     out[at] = vector(features.albedo, features.depth);
     out[at + 1] = vector(features.normal, features.uv.x);
     out[at + 2] = vector(features.position, features.uv.y);

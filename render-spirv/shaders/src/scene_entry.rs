@@ -23,10 +23,10 @@ pub fn vector(v: Vec3, w: f32) -> [f32; 4] {
     [v.x, v.y, v.z, w]
 }
 
-/// Declares an entry point: its name and what it does with the view, the settings, the sampler, the pixel, and the
-/// results, of which `index` is the invocation's.
+/// Declares an entry point: its name and what it does with the view, the settings, the work (see [`work`]), the results
+/// and the paths; `slot` is the invocation's place among the results, and `path` among the paths.
 macro_rules! scene_entry {
-    ($name:ident, |$view:ident, $settings:ident, $sampler:ident, $pixel:ident, $out:ident, $index:ident| $body:block) => {
+    ($name:ident, |$view:ident, $settings:ident, $work:ident, $out:ident[$slot:ident], $paths:ident[$path:ident]| $body:block) => {
         #[allow(missing_docs, unused)]
         #[spirv_std::spirv(compute(threads(64)))]
         pub fn $name(
@@ -65,14 +65,20 @@ macro_rules! scene_entry {
             #[spirv(storage_buffer, descriptor_set = 0, binding = 18)]
             items: &[crate::interface::WorkItem],
             #[spirv(storage_buffer, descriptor_set = 0, binding = 19)] $out: &mut [[f32; 4]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 20)]
+            $paths: &mut [halflight_kernel::transport::staged::PathRecord],
+            #[spirv(spec_constant(id = 0, default = 4294967295))] features: u32,
         ) {
+            // Before anything depends on the invocation: software devices load such values once for many.
+            let $settings = constants[0].settings;
+            let camera = constants[0].camera;
+            let info = constants[0].info;
             if id.x >= dispatch.count {
                 return;
             }
-            let $index = id.x as usize;
-            let $settings = constants[0].settings;
-            let camera = constants[0].camera;
             let item = items[id.x as usize];
+            let $slot = item.slot as usize;
+            let $path = (item.slot + dispatch.first) as usize;
             let tables = halflight_kernel::scene::Tables {
                 positions,
                 normals,
@@ -90,7 +96,9 @@ macro_rules! scene_entry {
                 data,
                 emitters,
                 camera,
-                info: constants[0].info,
+                info,
+                #[cfg(target_arch = "spirv")]
+                features,
             };
             let traverse = halflight_kernel::scene::Bvh2Traverse {
                 tables,
@@ -101,7 +109,7 @@ macro_rules! scene_entry {
                 tables,
                 traverse: &traverse,
             };
-            let (mut $sampler, $pixel) = crate::scene_entry::work(&camera, dispatch, item);
+            let $work = || crate::scene_entry::work(&camera, dispatch, item);
             $body
         }
     };

@@ -58,7 +58,7 @@ pub struct Instance {
 }
 
 /// Storage buffers that an entry point binds.
-const STORAGE_BUFFERS: u32 = 20;
+const STORAGE_BUFFERS: u32 = 21;
 
 impl Instance {
     /// An instance of Vulkan 1.2, with the validation layer on request.
@@ -207,7 +207,7 @@ impl Instance {
             );
         }
         if basic.limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
-            missing.push("20 storage buffers per stage");
+            missing.push("21 storage buffers per stage");
         }
         // SAFETY: the handle comes from this instance.
         let families = unsafe { self.raw.get_physical_device_queue_family_properties(handle) };

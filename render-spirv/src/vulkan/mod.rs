@@ -16,3 +16,4 @@ pub use error::VulkanError;
 pub use instance::{DeviceDescription, DeviceKind, Instance};
 pub use memory::{Buffer, Memory};
 pub use pipeline::Pipeline;
+pub(crate) use pipeline::dispatch_in_order;

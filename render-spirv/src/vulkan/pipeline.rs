@@ -32,6 +32,31 @@ impl Device {
         buffers: &[&Buffer],
         push_constant_size: u32,
     ) -> Result<Pipeline, VulkanError> {
+        self.create_specialized_pipeline(module, entry, buffers, push_constant_size, &[])
+    }
+
+    /// [`Device::create_pipeline`] with values for the module's specialisation constants 0, 1, ...
+    ///
+    /// # Errors
+    /// If the driver refuses the module.
+    pub fn create_specialized_pipeline(
+        self: &Arc<Self>,
+        module: &[u32],
+        entry: &CStr,
+        buffers: &[&Buffer],
+        push_constant_size: u32,
+        constants: &[u32],
+    ) -> Result<Pipeline, VulkanError> {
+        let entries: Vec<_> = (0..constants.len() as u32)
+            .map(|i| vk::SpecializationMapEntry {
+                constant_id: i,
+                offset: 4 * i,
+                size: 4,
+            })
+            .collect();
+        let specialization = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(constants));
         let bindings: Vec<_> = (0..buffers.len() as u32)
             .map(|i| {
                 vk::DescriptorSetLayoutBinding::default()
@@ -102,7 +127,8 @@ impl Device {
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(shader)
-                .name(entry);
+                .name(entry)
+                .specialization_info(&specialization);
             let result = self.raw.create_compute_pipelines(
                 vk::PipelineCache::null(),
                 &[vk::ComputePipelineCreateInfo::default()
@@ -120,6 +146,58 @@ impl Device {
         }
         Ok(pipeline)
     }
+}
+
+/// Runs `groups` workgroups of each pipeline, each after the one before it has written its results, and waits for them.
+/// The bound buffers must still exist, which their owner sees to.
+///
+/// # Errors
+/// If the device is lost or does not finish within `limit`.
+pub(crate) fn dispatch_in_order<P: NoUninit>(
+    device: &Device,
+    what: &str,
+    pipelines: &[&Pipeline],
+    constants: &P,
+    groups: u32,
+    limit: Duration,
+) -> Result<(), VulkanError> {
+    let raw = &device.raw;
+    device.run(what, limit, |commands| {
+        for pipeline in pipelines {
+            let barrier = [vk::MemoryBarrier::default()
+                .src_access_mask(vk::AccessFlags::SHADER_WRITE)
+                .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE)];
+            // SAFETY: recording into a begun command buffer with live objects.
+            unsafe {
+                raw.cmd_pipeline_barrier(
+                    commands,
+                    vk::PipelineStageFlags::COMPUTE_SHADER,
+                    vk::PipelineStageFlags::COMPUTE_SHADER,
+                    vk::DependencyFlags::empty(),
+                    &barrier,
+                    &[],
+                    &[],
+                );
+                raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
+                raw.cmd_bind_descriptor_sets(
+                    commands,
+                    vk::PipelineBindPoint::COMPUTE,
+                    pipeline.layout,
+                    0,
+                    &[pipeline.set],
+                    &[],
+                );
+                raw.cmd_push_constants(
+                    commands,
+                    pipeline.layout,
+                    vk::ShaderStageFlags::COMPUTE,
+                    0,
+                    bytemuck::bytes_of(constants),
+                );
+                raw.cmd_dispatch(commands, groups, 1, 1);
+            }
+        }
+    })
 }
 
 impl Pipeline {
@@ -149,29 +227,7 @@ impl Pipeline {
         groups: u32,
         limit: Duration,
     ) -> Result<(), VulkanError> {
-        let raw = &self.device.raw;
-        self.device.run(what, limit, |commands| {
-            // SAFETY: recording into a begun command buffer with live objects.
-            unsafe {
-                raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, self.raw);
-                raw.cmd_bind_descriptor_sets(
-                    commands,
-                    vk::PipelineBindPoint::COMPUTE,
-                    self.layout,
-                    0,
-                    &[self.set],
-                    &[],
-                );
-                raw.cmd_push_constants(
-                    commands,
-                    self.layout,
-                    vk::ShaderStageFlags::COMPUTE,
-                    0,
-                    bytemuck::bytes_of(constants),
-                );
-                raw.cmd_dispatch(commands, groups, 1, 1);
-            }
-        })
+        dispatch_in_order(&self.device, what, &[self], constants, groups, limit)
     }
 }
 

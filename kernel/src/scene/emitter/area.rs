@@ -21,13 +21,16 @@ use crate::scene::quadric::quadric_point_with;
 use crate::scene::surface::detail;
 use crate::scene::texture::eval_rgb;
 use crate::scene::triangle::triangle_point_with;
-use crate::scene::{NONE, Quadric, SurfacePoint, Tables, quadric_kind};
+use crate::scene::{NONE, Quadric, SurfacePoint, Tables, features, quadric_kind};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3};
 
 /// Radiance that a surface point emits towards `direction_to_viewer`; zero for points that emit nothing there.
 pub fn area_radiance(tables: &Tables<'_>, point: &SurfacePoint, direction_to_viewer: Vec3) -> Rgb {
-    if point.emitter == NONE || !(point.frame.n.dot(direction_to_viewer) > 0.0) {
+    if !tables.has(features::AREA_LIGHTS)
+        || point.emitter == NONE
+        || !(point.frame.n.dot(direction_to_viewer) > 0.0)
+    {
         return Vec3::ZERO;
     }
     let emitter = &tables.emitters[point.emitter as usize];
@@ -37,12 +40,15 @@ pub fn area_radiance(tables: &Tables<'_>, point: &SurfacePoint, direction_to_vie
 /// The density per solid angle at `reference` with which [`super::sample_direct`] chooses the point `light` of an area
 /// light, the choice of the emitter included; zero for points that it cannot choose.
 pub fn pdf_direct(tables: &Tables<'_>, reference: Vec3, light: &SurfacePoint) -> f32 {
-    if light.emitter == NONE {
+    if !tables.has(features::AREA_LIGHTS) || light.emitter == NONE {
         return 0.0;
     }
     let emitter = &tables.emitters[light.emitter as usize];
     let triangle_count = tables.triangles.len() as u32;
-    let pdf = if light.primitive < triangle_count {
+    let has_quadrics = tables.has(features::QUADRICS);
+    let is_triangle =
+        tables.has(features::TRIANGLES) && (!has_quadrics || light.primitive < triangle_count);
+    let pdf = if is_triangle {
         let first = tables.shapes[light.shape as usize].first_primitive;
         let area = triangle_area(tables, light.primitive);
         if !(area > 0.0) {
@@ -69,7 +75,9 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
         return DirectSample::NONE;
     }
     let shape = &tables.shapes[record.shape as usize];
-    if !is_quadric(tables, record.shape) {
+    let is_mesh = tables.has(features::TRIANGLES)
+        && (!tables.has(features::QUADRICS) || !is_quadric(tables, record.shape));
+    let (mut sample, point) = if is_mesh {
         let (triangle, u_x, pmf) =
             sample_cdf(tables.data, record.distribution, shape.primitive_count, u.x);
         let primitive = shape.first_primitive + triangle;
@@ -79,23 +87,45 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
         }
         let b = warp::square_to_triangle(Vec2::new(u_x, u.y));
         let point = triangle_point_with::<{ detail::NORMALS }>(tables, primitive, b.x, b.y);
-        let pdf = per_solid_angle(reference, &point, pmf / area);
-        return towards(tables, emitter, reference, &point, pdf);
-    }
-    let index = shape.first_primitive;
-    let quadric = &tables.quadrics[index as usize];
-    if quadric.kind == quadric_kind::SPHERE {
-        return sample_sphere(tables, emitter, index, reference, u);
-    }
-    let p = if quadric.kind == quadric_kind::DISK {
-        warp::square_to_disk(u).extend(0.0)
+        (towards(reference, &point, pmf / area), point)
     } else {
-        let (s, c) = float::sin_cos(TAU * u.x);
-        Vec3::new(c, s, u.y)
+        let index = shape.first_primitive;
+        let quadric = &tables.quadrics[index as usize];
+        let cone = if quadric.kind == quadric_kind::SPHERE {
+            sample_cone(quadric, reference, u)
+        } else {
+            Cone::NONE
+        };
+        let p = if quadric.kind == quadric_kind::SPHERE {
+            cone.point
+        } else if quadric.kind == quadric_kind::DISK {
+            warp::square_to_disk(u).extend(0.0)
+        } else {
+            let (s, c) = float::sin_cos(TAU * u.x);
+            Vec3::new(c, s, u.y)
+        };
+        let point = quadric_point_with::<{ detail::NORMALS }>(tables, index, p);
+        if quadric.kind == quadric_kind::SPHERE {
+            let sample = DirectSample {
+                direction: cone.direction,
+                distance: cone.distance,
+                pdf: cone.pdf,
+                ..DirectSample::NONE
+            };
+            (sample, point)
+        } else {
+            let pdf_area = quadric_pdf_area(quadric, p);
+            (towards(reference, &point, pdf_area), point)
+        }
     };
-    let point = quadric_point_with::<{ detail::NORMALS }>(tables, index, p);
-    let pdf = per_solid_angle(reference, &point, quadric_pdf_area(quadric, p));
-    towards(tables, emitter, reference, &point, pdf)
+    if !(sample.pdf > 0.0) {
+        return DirectSample::NONE;
+    }
+    // In one place for all shapes, because shader compilers copy the texture lookup to every call.
+    sample.target = point.offset_position(-sample.direction);
+    sample.radiance = area_radiance(tables, &point, -sample.direction);
+    sample.emitter = emitter;
+    sample
 }
 
 /// Whether a shape is analytic: quadrics and meshes count their primitives apart, and only one of the two tables holds
@@ -106,29 +136,20 @@ fn is_quadric(tables: &Tables<'_>, shape: u32) -> bool {
     first < tables.quadrics.len() as u32 && tables.quadrics[first as usize].shape == shape
 }
 
-/// The sample that is the segment from `reference` to `point`.
+/// Direction, distance and density of a point with a density per area; no sample where that is not finite.
 #[inline]
-fn towards(
-    tables: &Tables<'_>,
-    emitter: u32,
-    reference: Vec3,
-    point: &SurfacePoint,
-    pdf: f32,
-) -> DirectSample {
+fn towards(reference: Vec3, point: &SurfacePoint, pdf_area: f32) -> DirectSample {
+    let pdf = per_solid_angle(reference, point, pdf_area);
     if !(pdf > 0.0) {
         return DirectSample::NONE;
     }
     let to_light = point.position - reference;
     let distance = to_light.length();
-    let direction = to_light / distance;
     DirectSample {
-        direction,
+        direction: to_light / distance,
         distance,
-        target: point.offset_position(-direction),
-        radiance: area_radiance(tables, point, -direction),
         pdf,
-        is_delta: false,
-        emitter,
+        ..DirectSample::NONE
     }
 }
 
@@ -223,16 +244,26 @@ fn object_per_world_solid_angle(quadric: &Quadric, image_length: f32) -> f32 {
     1.0 / (float::abs(determinant(&quadric.to_world)) * image_length * image_length * image_length)
 }
 
+/// A direction towards a sphere, where it meets the unit sphere of object space, and its density; zero for none.
+struct Cone {
+    point: Vec3,
+    direction: Vec3,
+    distance: f32,
+    pdf: f32,
+}
+
+impl Cone {
+    const NONE: Cone = Cone {
+        point: Vec3::Z,
+        direction: Vec3::Z,
+        distance: 0.0,
+        pdf: 0.0,
+    };
+}
+
 /// Samples the cone of directions towards a sphere.
 #[inline]
-fn sample_sphere(
-    tables: &Tables<'_>,
-    emitter: u32,
-    index: u32,
-    reference: Vec3,
-    u: Vec2,
-) -> DirectSample {
-    let quadric = &tables.quadrics[index as usize];
+fn sample_cone(quadric: &Quadric, reference: Vec3, u: Vec2) -> Cone {
     let origin = transform_point(&quadric.to_object, reference);
     let distance2 = origin.length_squared();
     let distance = float::sqrt(distance2);
@@ -259,30 +290,21 @@ fn sample_sphere(
     } else {
         t * d.z - distance
     };
-    let point = quadric_point_with::<{ detail::NORMALS }>(
-        tables,
-        index,
-        frame.to_world(Vec3::new(x, y, z)),
-    );
     let world = transform_vector(&quadric.to_world, frame.to_world(d));
     let length = world.length();
     if !(length > 0.0) || !(t > 0.0) {
-        return DirectSample::NONE;
+        return Cone::NONE;
     }
-    let direction = world / length;
     let pdf =
         warp::uniform_cone_pdf(one_minus_cos) * object_per_world_solid_angle(quadric, 1.0 / length);
     if !(pdf > 0.0) || !float::is_finite(pdf) {
-        return DirectSample::NONE;
+        return Cone::NONE;
     }
-    DirectSample {
-        direction,
+    Cone {
+        point: frame.to_world(Vec3::new(x, y, z)),
+        direction: world / length,
         distance: length * t,
-        target: point.offset_position(-direction),
-        radiance: area_radiance(tables, &point, -direction),
         pdf,
-        is_delta: false,
-        emitter,
     }
 }
 

@@ -15,7 +15,7 @@ use super::DirectSample;
 use crate::math::affine::{transform_point, transform_vector, translation};
 use crate::math::{Rgb, float, vec3};
 use crate::scene::texture::eval_uv;
-use crate::scene::{Emitter, NONE, Tables, emitter_kind};
+use crate::scene::{Emitter, NONE, Tables, emitter_kind, features};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
@@ -23,7 +23,7 @@ use glam::{Vec2, Vec3};
 #[inline]
 fn color(tables: &Tables<'_>, emitter: &Emitter, uv: Vec2) -> Rgb {
     let value = vec3(emitter.radiance.value);
-    if emitter.radiance.texture == NONE {
+    if !tables.has(features::TEXTURES) || emitter.radiance.texture == NONE {
         value
     } else {
         value * eval_uv(tables, emitter.radiance.texture, uv)

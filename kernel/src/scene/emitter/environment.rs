@@ -19,14 +19,14 @@ use crate::math::distribution::{GUIDE_WORDS, cdf_pmf, sample_cdf_guided};
 use crate::math::warp::{UNIFORM_SPHERE_PDF, square_to_uniform_sphere};
 use crate::math::{Rgb, float, vec3};
 use crate::scene::texture::eval_uv;
-use crate::scene::{Emitter, NONE, Tables, emitter_kind, texture_kind};
+use crate::scene::{Emitter, NONE, Tables, emitter_kind, features, texture_kind};
 use core::f32::consts::{FRAC_1_PI, PI, TAU};
 use glam::{Vec2, Vec3};
 
 /// The radiance that arrives from a unit `direction` (away from the scene); zero without an environment.
 pub fn environment_radiance(tables: &Tables<'_>, direction: Vec3) -> Rgb {
     let index = tables.info.environment;
-    if index == NONE {
+    if !tables.has(features::ENVIRONMENT) || index == NONE {
         return Vec3::ZERO;
     }
     let emitter = &tables.emitters[index as usize];
@@ -43,7 +43,7 @@ pub fn environment_radiance(tables: &Tables<'_>, direction: Vec3) -> Rgb {
 /// [`environment_radiance`] and [`pdf_environment`] of the same direction.
 pub fn environment_radiance_and_pdf(tables: &Tables<'_>, direction: Vec3) -> (Rgb, f32) {
     let index = tables.info.environment;
-    if index == NONE {
+    if !tables.has(features::ENVIRONMENT) || index == NONE {
         return (Vec3::ZERO, 0.0);
     }
     let emitter = &tables.emitters[index as usize];
@@ -68,7 +68,7 @@ pub fn environment_radiance_and_pdf(tables: &Tables<'_>, direction: Vec3) -> (Rg
 /// of the emitter included.
 pub fn pdf_environment(tables: &Tables<'_>, direction: Vec3) -> f32 {
     let index = tables.info.environment;
-    if index == NONE {
+    if !tables.has(features::ENVIRONMENT) || index == NONE {
         return 0.0;
     }
     let emitter = &tables.emitters[index as usize];

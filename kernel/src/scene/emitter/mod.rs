@@ -29,6 +29,7 @@ pub use {
     host::{fill_selection, power},
 };
 
+use super::features;
 use super::records::*;
 use super::view::Tables;
 use crate::math::Rgb;
@@ -108,12 +109,16 @@ pub fn sample_direct(tables: &Tables<'_>, reference: Vec3, u_select: f32, u: Vec
 /// Samples the light of one emitter; `pdf` does not hold the probability of choosing it.
 pub fn sample_emitter(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> DirectSample {
     let kind = tables.emitters[emitter as usize].kind;
-    if kind == emitter_kind::AREA {
+    if tables.has(features::AREA_LIGHTS) && kind == emitter_kind::AREA {
         area::sample(tables, emitter, reference, u)
-    } else if kind == emitter_kind::CONSTANT || kind == emitter_kind::ENVIRONMENT {
+    } else if tables.has(features::ENVIRONMENT)
+        && (kind == emitter_kind::CONSTANT || kind == emitter_kind::ENVIRONMENT)
+    {
         environment::sample(tables, emitter, u)
-    } else {
+    } else if tables.has(features::DELTA_LIGHTS) {
         delta::sample(tables, emitter, reference)
+    } else {
+        DirectSample::NONE
     }
 }
 

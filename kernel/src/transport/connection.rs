@@ -1,0 +1,147 @@
+//! Next event estimation: a point of an emitter, and the light that it sends through a surface point towards a viewer.
+//!
+//! The estimate is w f cos Le V / p_e, with w the weight of the emitter sample against the BSDF samples that compete with
+//! it: the power heuristic with exponent two for n_e and n_b samples, w = (n_e p_e)^2 / ((n_e p_e)^2 + (n_b p_b)^2) (Veach
+//! 1997, Section 9.2.2), divided by n_e. [`connect`] leaves out the visibility V, which
+//! [`super::visibility::transmittance`] finds along [`Connection::ray`].
+
+use crate::bsdf::Bsdf;
+use crate::math::{Ray, Rgb};
+use crate::sampler::Sampler;
+use crate::scene::emitter::{self, DirectSample};
+use crate::scene::{SurfacePoint, Tables};
+use glam::Vec3;
+
+/// The power heuristic with exponent two for one sample of each technique.
+#[inline]
+pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
+    if pdf <= 0.0 {
+        return 0.0;
+    }
+    // As a ratio, because squares of densities overflow for narrow lobes.
+    let ratio = other / pdf;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// How many samples of each technique a vertex takes.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleCounts {
+    /// Of the emitters.
+    pub emitter: f32,
+    /// Of the BSDF.
+    pub bsdf: f32,
+}
+
+impl SampleCounts {
+    /// One of each.
+    pub const ONE: SampleCounts = SampleCounts {
+        emitter: 1.0,
+        bsdf: 1.0,
+    };
+}
+
+/// Light that arrives unless something stands between.
+#[derive(Clone, Copy, Debug)]
+pub struct Connection {
+    /// What it adds to the radiance towards the viewer.
+    pub radiance: Rgb,
+    /// The segment to the light.
+    pub ray: Ray,
+}
+
+impl Connection {
+    /// No light.
+    pub const NONE: Connection = Connection {
+        radiance: Rgb::ZERO,
+        ray: Ray {
+            origin: Vec3::ZERO,
+            direction: Vec3::Z,
+            t_min: 0.0,
+            t_max: 0.0,
+        },
+    };
+
+    /// Whether there is any light.
+    #[inline]
+    pub fn is_some(&self) -> bool {
+        self.radiance.max_element() > 0.0
+    }
+}
+
+/// Light of one emitter point reflected towards `wi`, one of `counts.emitter` samples that compete with `counts.bsdf`
+/// samples of the BSDF, divided by their number.
+#[inline]
+pub fn connect<S: Sampler>(
+    tables: &Tables<'_>,
+    sampler: &mut S,
+    point: &SurfacePoint,
+    bsdf: &Bsdf,
+    wi: Vec3,
+    strict_normals: bool,
+    counts: SampleCounts,
+) -> Connection {
+    let light = choose(tables, sampler, point);
+    weigh(tables, &light, point, bsdf, wi, strict_normals, counts)
+}
+
+/// Chooses an emitter point.
+#[inline]
+pub fn choose<S: Sampler>(
+    tables: &Tables<'_>,
+    sampler: &mut S,
+    point: &SurfacePoint,
+) -> DirectSample {
+    let u_select = sampler.next_1d();
+    let u = sampler.next_2d();
+    emitter::sample_direct(tables, point.position, u_select, u)
+}
+
+/// Advances the sampler as [`choose`] does.
+#[inline]
+pub fn skip_choice<S: Sampler>(sampler: &mut S) {
+    sampler.next_1d();
+    sampler.next_2d();
+}
+
+/// What the chosen light adds.
+#[inline]
+pub fn weigh(
+    tables: &Tables<'_>,
+    light: &DirectSample,
+    point: &SurfacePoint,
+    bsdf: &Bsdf,
+    wi: Vec3,
+    strict_normals: bool,
+    counts: SampleCounts,
+) -> Connection {
+    if light.pdf <= 0.0 || light.radiance.max_element() <= 0.0 {
+        return Connection::NONE;
+    }
+    let wo = point.frame.to_local(light.direction);
+    if strict_normals && !is_same_side(point, light.direction, wo.z) {
+        return Connection::NONE;
+    }
+    let (value, pdf) = bsdf.eval_cosine_pdf(tables.data, wi, wo);
+    if value.max_element() <= 0.0 {
+        return Connection::NONE;
+    }
+    let weight = if light.is_delta {
+        1.0
+    } else {
+        power_heuristic(counts.emitter * light.pdf, counts.bsdf * pdf)
+    };
+    Connection {
+        radiance: value * light.radiance * (weight / (light.pdf * counts.emitter)),
+        ray: if light.distance < f32::MAX {
+            point.segment_to(light.target)
+        } else {
+            point.spawn(light.direction)
+        },
+    }
+}
+
+/// Whether a direction with local cosine `cos_theta` is on the same side of both normals.
+#[inline]
+pub fn is_same_side(point: &SurfacePoint, direction: Vec3, cos_theta: f32) -> bool {
+    point.geometric_normal.dot(direction) * cos_theta > 0.0
+}

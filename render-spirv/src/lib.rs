@@ -1,7 +1,7 @@
 //! Halflight on Vulkan: the kernel, compiled to SPIR-V by rust-gpu, run by any device with Vulkan 1.2.
 //!
 //! The same scene tables that the CPU renders are uploaded as storage buffers ([`scene_buffers`]); every invocation of a
-//! compute shader (`render-spirv/shaders`) takes one sample of one pixel with the same function of
+//! compute shader (`render-spirv/shaders`) takes one sample of one pixel, or one step of it, with the same functions of
 //! [`halflight_kernel::transport`] and the same random numbers, and the samples are added to the same film
 //! ([`sampling`]). Two images of the same seed therefore differ by rounding only, and by the few paths that rounding
 //! sends another way.
@@ -18,12 +18,18 @@
 //!   (nightly-2026-04-11); pass `--abort-strategy=unreachable` as a codegen argument, or every index check becomes an
 //!   early return and the module more than twice as large.
 //!
+//! # Stages and features
+//! SPIR-V functions that touch buffers are copied to every call, so a whole path in one shader is a quarter of a million
+//! instructions, for which the compiler of Mesa's software device takes more than six minutes. Path tracing and direct
+//! illumination therefore run in [`stages`], one step of all paths at a time, and every stage is compiled for the
+//! features of the scene ([`halflight_kernel::scene::features`]): models, textures and lights that the scene lacks are
+//! removed by the driver.
+//!
 //! # Limits
-//! Path tracing, ambient occlusion and the layers of the first surface have entry points; other integrators are refused
-//! with a message. Entry points are large, because SPIR-V functions that touch buffers are copied to every call: Mesa's
-//! software device takes minutes to compile the path tracer. It (lavapipe, 22.3) also ends every loop of an invocation
+//! Path tracing, direct illumination, ambient occlusion and the layers of the first surface have entry points; other
+//! integrators are refused with a message. Mesa's software device (lavapipe, 22.3) ends every loop of an invocation
 //! after 65,535 iterations in total; [`canary`] measures the budget of a device, `halflight-gpu devices` prints it, and an
-//! invocation takes one sample only.
+//! invocation takes one step of one sample only.
 
 pub mod canary;
 pub mod commands;

@@ -17,6 +17,7 @@
 use super::constraint::{Constraint, Edge, end_constraint, half_vector_form, inner_constraint};
 use super::half_vector::half_vector;
 use super::vertex::{ChainVertex, vertex_kind};
+use crate::math::block_elimination;
 use crate::math::block_tridiagonal::BlockLu;
 use crate::math::float::abs;
 use crate::math::scaled::Scaled;
@@ -42,9 +43,19 @@ pub struct ChainJacobian<const N: usize> {
 }
 
 impl<const N: usize> ChainJacobian<N> {
-    /// The constraints of the first `len` vertices, in one of the forms of [`half_vector_form`].
+    /// The constraints of the first `len` vertices, in one of the forms of [`half_vector_form`], and their factors.
     #[inline]
     pub fn new(vertices: &[ChainVertex; N], len: usize, form: u32) -> ChainJacobian<N> {
+        let mut chain = ChainJacobian::unfactored(vertices, len, form);
+        if chain.valid {
+            chain.lu = BlockLu::factor(&chain.a, &chain.b, &chain.c, len);
+        }
+        chain
+    }
+
+    /// The constraints without factors, which is enough for [`ChainJacobian::solve`].
+    #[inline]
+    pub fn unfactored(vertices: &[ChainVertex; N], len: usize, form: u32) -> ChainJacobian<N> {
         let mut chain = ChainJacobian {
             a: [Mat2::ZERO; N],
             b: [Mat2::ZERO; N],
@@ -66,10 +77,20 @@ impl<const N: usize> ChainJacobian<N> {
             chain.h[i] = row.h;
             chain.valid = chain.valid && row.valid;
         }
-        if chain.valid {
-            chain.lu = BlockLu::factor(&chain.a, &chain.b, &chain.c, len);
-        }
         chain
+    }
+
+    /// Solves J dX = dH in place, once; [`ChainJacobian::lu`] does so again and again. False, and zeros, without a finite
+    /// solution.
+    #[inline]
+    pub fn solve(&self, x: &mut [Vec2; N]) -> bool {
+        if !self.valid {
+            for i in 0..N {
+                x[i] = Vec2::ZERO;
+            }
+            return false;
+        }
+        block_elimination::solve(&self.a, &self.b, &self.c, self.len, x)
     }
 
     /// Whether J exists and has an inverse.

@@ -25,7 +25,7 @@ use super::vertex::{ChainVertex, vertex_kind};
 use super::walk::{
     WalkOptions, is_same_path, predict, residual, starts_at_sensor, walk, walk_status,
 };
-use crate::math::block_tridiagonal::{determinant2, invert};
+use crate::math::block::{determinant2, invert};
 use crate::math::float::abs;
 use crate::math::scaled::{Scaled, is_finite2};
 use crate::scene::{SceneView, Traverse};

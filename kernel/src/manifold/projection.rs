@@ -13,7 +13,8 @@ use super::vertex::{ChainVertex, vertex_kind};
 use crate::math::Ray;
 use crate::math::float::safe_sqrt;
 use crate::scene::intersect::{is_traceable, offset_by, segment};
-use crate::scene::surface::surface_at;
+
+use crate::scene::checked_surface::checked_surface_at;
 use crate::scene::{SceneView, Traverse};
 use glam::Vec3;
 
@@ -60,13 +61,14 @@ pub fn land<T: Traverse>(view: &SceneView<'_, T>, ray: &Ray, old: &ChainVertex) 
         };
     }
     let hit = view.traverse.closest_hit(ray);
-    if !hit.is_hit() {
+    let found = checked_surface_at(&view.tables, ray, &hit);
+    if !found.valid {
         return Landing {
             vertex: *old,
             valid: false,
         };
     }
-    let point = surface_at(&view.tables, ray, &hit);
+    let point = found.point;
     let mut vertex = ChainVertex::from_surface_with(&point, old.reference);
     vertex.kind = old.kind;
     vertex.eta = old.eta;
@@ -117,8 +119,11 @@ pub fn project<T: Traverse, const N: usize>(
         }
         out.vertices[i] = landing.vertex;
     }
-    let other_end = last - first_end;
-    let neighbour = if from_sensor { 1 } else { last - 1 };
+    let (other_end, neighbour) = if from_sensor {
+        (0, 1)
+    } else {
+        (last, last - 1)
+    };
     if old[other_end].kind == vertex_kind::PINNED_DIRECTION {
         let d = old[other_end].geometric_normal;
         let x = out.vertices[neighbour].position;

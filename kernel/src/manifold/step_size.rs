@@ -16,7 +16,7 @@
 
 use super::half_vector::projected_of_slope;
 use super::vertex::ChainVertex;
-use crate::math::block_tridiagonal::{determinant2, invert};
+use crate::math::block::{determinant2, invert};
 use crate::math::disk_lobe::{DiskLobe, exponent_of_deviation};
 use crate::math::float::{abs, atan2, safe_sqrt, sin_cos, sqrt};
 use crate::math::slope_gaussian::SlopeGaussian;

@@ -213,10 +213,10 @@ pub fn walk_from<T: Traverse, const N: usize>(
         let trial = project(view, &out.vertices, len, &predicted, from_sensor);
         let mut is_nearer = false;
         if trial.valid {
-            let next = ChainJacobian::new(&trial.vertices, len, options.form);
+            let next = ChainJacobian::unfactored(&trial.vertices, len, options.form);
             let mut step = residual(&next, target);
             let next_error = largest(&step, len);
-            if next.is_regular() && next_error < error && next.lu.solve(&mut step) {
+            if next_error < error && next.solve(&mut step) {
                 is_nearer = true;
                 out.vertices = trial.vertices;
                 dx = step;

@@ -11,85 +11,33 @@
 //! J^-1 costs time linear in its length: solutions, the determinant, a block row of the inverse (D_i of equation 8.1) and the
 //! transfer matrices T_i, which say how x_i moves with a vertex behind the last row.
 //!
+//! Where one solution is all that is wanted, [`super::block_elimination`] takes a third of the time.
+//!
 //! There is no pivoting across blocks: inside a block the inverse is Cramer's, whatever its scale. A pivot L_i that
-//! cannot be told from a singular one ([`SINGULAR`]), or a number that is not finite, makes the factorisation `singular`:
+//! cannot be told from a singular one ([`super::block::SINGULAR`]), or a number that is not finite, makes the factorisation `singular`:
 //! its determinant is zero and every solution is refused. Growth without pivoting is bounded by the pivots' conditions, and
 //! [`BlockLu::condition`] estimates that of the whole. Checked: backward error against f64, determinant, inverse rows and
 //! transfer matrices against a dense solve, singular inputs.
 
+use super::block::{
+    adjugate, adjugate_product, apply, apply_transposed, block_of, determinant2, is_regular,
+    product, row_of,
+};
 use super::float::abs;
 use super::scaled::{Scaled, is_finite2};
-use glam::{Mat2, Vec2};
-
-/// A block whose determinant is below this times the square of its largest element is singular, and so is a pivot whose
-/// smaller singular value is below this times the block of J it came from: 2^-23, where all is rounding error.
-pub const SINGULAR: f32 = 1.2e-7;
-
-/// The range of a block's largest element: its square times [`SINGULAR`] is still a normal number.
-const LARGEST: f32 = 1e15;
-const SMALLEST: f32 = 1e-15;
-
-/// The inverse of a block.
-#[derive(Clone, Copy, Debug)]
-pub struct BlockInverse {
-    /// The inverse; zero for a singular block.
-    pub inverse: Mat2,
-    /// Determinant of the block; zero for a singular one.
-    pub determinant: f32,
-}
-
-#[inline]
-fn largest_element(m: Mat2) -> f32 {
-    abs(m.x_axis.x)
-        .max(abs(m.x_axis.y))
-        .max(abs(m.y_axis.x).max(abs(m.y_axis.y)))
-}
-
-/// Whether a block with this determinant, what is left of one with elements up to `before`, can be told from a singular one.
-#[inline]
-fn is_regular(m: Mat2, determinant: f32, before: f32) -> bool {
-    let scale = largest_element(m);
-    // The larger singular value is about `scale`, the smaller one the determinant over that. A NaN may be lost in a maximum,
-    // but not in the determinant.
-    scale > SMALLEST && scale < LARGEST && abs(determinant) > SINGULAR * scale * scale.max(before)
-}
-
-/// The inverse times the determinant.
-#[inline]
-fn adjugate(m: Mat2) -> Mat2 {
-    Mat2::from_cols(
-        Vec2::new(m.y_axis.y, -m.x_axis.y),
-        Vec2::new(-m.y_axis.x, m.x_axis.x),
-    )
-}
-
-/// Inverse of a 2x2 block, with the guards of this module.
-#[inline]
-pub fn invert(m: Mat2) -> BlockInverse {
-    let determinant = determinant2(m);
-    if !is_regular(m, determinant, 0.0) {
-        return BlockInverse {
-            inverse: Mat2::ZERO,
-            determinant: 0.0,
-        };
-    }
-    BlockInverse {
-        inverse: adjugate(m) * (1.0 / determinant),
-        determinant,
-    }
-}
+use glam::{Mat2, Vec2, Vec4};
 
 /// The factors of a matrix of up to `N` block rows.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockLu<const N: usize> {
     /// A_i.
-    lower: [Mat2; N],
+    lower: [Vec4; N],
     /// L_i^-1.
-    pivot_inverse: [Mat2; N],
+    pivot_inverse: [Vec4; N],
     /// L_i^-1 A_i.
-    pivot_lower: [Mat2; N],
+    pivot_lower: [Vec4; N],
     /// U_i; that of the last row belongs to the vertex behind it.
-    upper: [Mat2; N],
+    upper: [Vec4; N],
     /// det L_i.
     pivot: [f32; N],
     len: usize,
@@ -99,10 +47,10 @@ pub struct BlockLu<const N: usize> {
 impl<const N: usize> BlockLu<N> {
     /// Of a matrix that has no inverse.
     pub const SINGULAR: BlockLu<N> = BlockLu {
-        lower: [Mat2::ZERO; N],
-        pivot_inverse: [Mat2::ZERO; N],
-        pivot_lower: [Mat2::ZERO; N],
-        upper: [Mat2::ZERO; N],
+        lower: [Vec4::ZERO; N],
+        pivot_inverse: [Vec4::ZERO; N],
+        pivot_lower: [Vec4::ZERO; N],
+        upper: [Vec4::ZERO; N],
         pivot: [0.0; N],
         len: 0,
         singular: true,
@@ -122,33 +70,32 @@ impl<const N: usize> BlockLu<N> {
             return lu;
         }
         // U and the next A U are kept without the division by det L, which then runs beside their products.
-        let mut carried = Mat2::ZERO;
+        let mut carried = Vec4::ZERO;
         let mut quotient = 0.0;
         for i in 0..len {
-            let pivot = b[i] - carried * quotient;
-            let determinant = determinant2(pivot);
-            if !is_regular(pivot, determinant, largest_element(b[i])) {
+            let (before, above) = (row_of(b[i]), row_of(c[i]));
+            let below = if i == 0 { Vec4::ZERO } else { row_of(a[i]) };
+            let pivot = before - carried * quotient;
+            let determinant = pivot.x * pivot.w - pivot.y * pivot.z;
+            if !is_regular(pivot, determinant, before) {
                 lu.refuse();
                 return lu;
             }
-            let adjugate = adjugate(pivot);
-            let product = adjugate * c[i];
+            let next = adjugate_product(pivot, above);
             quotient = 1.0 / determinant;
-            let lower = if i == 0 { Mat2::ZERO } else { a[i] };
-            let upper = product * quotient;
+            let upper = next * quotient;
             // The last C is part of no pivot.
-            let sum = upper.x_axis.abs() + upper.y_axis.abs();
-            if !(sum.x + sum.y < f32::MAX) {
+            if !upper.abs().cmple(Vec4::splat(f32::MAX)).all() {
                 lu.refuse();
                 return lu;
             }
-            lu.lower[i] = lower;
-            lu.pivot_inverse[i] = adjugate * quotient;
-            lu.pivot_lower[i] = (adjugate * lower) * quotient;
+            lu.lower[i] = below;
+            lu.pivot_inverse[i] = adjugate(pivot) * quotient;
+            lu.pivot_lower[i] = adjugate_product(pivot, below) * quotient;
             lu.upper[i] = upper;
             lu.pivot[i] = determinant;
             if i + 1 < len {
-                carried = a[i + 1] * product;
+                carried = product(row_of(a[i + 1]), next);
             }
         }
         lu
@@ -186,7 +133,7 @@ impl<const N: usize> BlockLu<N> {
         // L y = h, then U x = y.
         let mut y = Vec2::ZERO;
         for i in 0..n {
-            y = self.pivot_inverse[i] * x[i] - self.pivot_lower[i] * y;
+            y = apply(self.pivot_inverse[i], x[i]) - apply(self.pivot_lower[i], y);
             x[i] = y;
         }
         let mut above = Vec2::ZERO;
@@ -195,7 +142,7 @@ impl<const N: usize> BlockLu<N> {
         while i > 0 {
             i -= 1;
             if i + 1 < n {
-                above = x[i] - self.upper[i] * above;
+                above = x[i] - apply(self.upper[i], above);
             } else {
                 above = x[i];
             }
@@ -217,7 +164,7 @@ impl<const N: usize> BlockLu<N> {
         let mut y = Vec2::ZERO;
         for i in 0..n {
             if i > 0 {
-                y = x[i] - self.upper[i - 1].transpose() * y;
+                y = x[i] - apply_transposed(self.upper[i - 1], y);
             } else {
                 y = x[i];
             }
@@ -229,11 +176,11 @@ impl<const N: usize> BlockLu<N> {
         while i > 0 {
             i -= 1;
             if i + 1 < n {
-                below = x[i] - self.lower[i + 1].transpose() * below;
+                below = x[i] - apply_transposed(self.lower[i + 1], below);
             } else {
                 below = x[i];
             }
-            below = self.pivot_inverse[i].transpose() * below;
+            below = apply_transposed(self.pivot_inverse[i], below);
             x[i] = below;
             finite = finite && is_finite2(below);
         }
@@ -259,7 +206,7 @@ impl<const N: usize> BlockLu<N> {
         let mut z = Mat2::IDENTITY;
         for i in row..n {
             if i > row {
-                z = -z * self.upper[i - 1];
+                z = -z * block_of(self.upper[i - 1]);
             }
             out[i] = z;
         }
@@ -268,11 +215,11 @@ impl<const N: usize> BlockLu<N> {
         while i > 0 {
             i -= 1;
             let carried = if i + 1 < n {
-                x * self.lower[i + 1]
+                x * block_of(self.lower[i + 1])
             } else {
                 Mat2::ZERO
             };
-            x = (out[i] - carried) * self.pivot_inverse[i];
+            x = (out[i] - carried) * block_of(self.pivot_inverse[i]);
             out[i] = x;
         }
     }
@@ -301,7 +248,7 @@ impl<const N: usize> BlockLu<N> {
         let mut i = vertex.min(N);
         while i > 0 {
             i -= 1;
-            t = -self.upper[i] * t;
+            t = -block_of(self.upper[i]) * t;
             out[i] = t;
         }
     }
@@ -392,12 +339,6 @@ impl<const N: usize> BlockLu<N> {
         }
         (estimate * norm).min(f32::MAX)
     }
-}
-
-/// Determinant of a 2x2 matrix.
-#[inline]
-pub fn determinant2(m: Mat2) -> f32 {
-    m.x_axis.x * m.y_axis.y - m.x_axis.y * m.y_axis.x
 }
 
 #[inline]

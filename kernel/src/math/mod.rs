@@ -1,6 +1,8 @@
 //! Numbers, vectors, frames and mappings that everything else stands on.
 
 pub mod affine;
+pub mod block;
+pub mod block_elimination;
 pub mod block_tridiagonal;
 pub mod disk_lobe;
 pub mod distribution;

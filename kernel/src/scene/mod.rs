@@ -5,6 +5,7 @@
 
 pub mod bvh2;
 pub mod camera;
+pub mod checked_surface;
 pub mod emitter;
 pub mod features;
 pub mod intersect;

@@ -9,6 +9,7 @@
 use super::features;
 use super::intersect::{ROUNDING, offset_by, segment};
 use super::quadric::{quadric_point, quadric_point_with};
+use super::records::{Instance, NONE};
 use super::traverse::Hit;
 use super::triangle::triangle_point_with;
 use super::view::Tables;
@@ -56,6 +57,29 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// Nothing.
+    pub const ZERO: SurfacePoint = SurfacePoint {
+        position: Vec3::ZERO,
+        position_error: 0.0,
+        geometric_normal: Vec3::ZERO,
+        frame: Frame {
+            s: Vec3::ZERO,
+            t: Vec3::ZERO,
+            n: Vec3::ZERO,
+        },
+        uv: Vec2::ZERO,
+        barycentric: Vec2::ZERO,
+        dp_du: Vec3::ZERO,
+        dp_dv: Vec3::ZERO,
+        dn_du: Vec3::ZERO,
+        dn_dv: Vec3::ZERO,
+        shape: 0,
+        primitive: 0,
+        instance: 0,
+        material: 0,
+        emitter: NONE,
+    };
+
     /// The position moved off the surface, to the side of `direction`, far enough that a ray from there does not meet
     /// the surface around the point again.
     #[inline]
@@ -112,7 +136,8 @@ pub fn surface_with<const DETAIL: u32>(tables: &Tables<'_>, ray: &Ray, hit: &Hit
     if tables.has(features::TRIANGLES) && (!has_quadrics || hit.primitive < triangle_count) {
         let mut p = triangle_point_with::<DETAIL>(tables, hit.primitive, hit.b1, hit.b2);
         if tables.has(features::INSTANCES) && hit.instance != 0 {
-            place(tables, &mut p, hit.instance);
+            let instance = &tables.instances[hit.instance as usize];
+            place(instance, &mut p, hit.instance);
         }
         return p;
     }
@@ -128,7 +153,8 @@ pub fn surface_with<const DETAIL: u32>(tables: &Tables<'_>, ray: &Ray, hit: &Hit
     direction = transform_vector(to_object, direction);
     let mut p = quadric_point_with::<DETAIL>(tables, quadric, origin + direction * hit.t);
     if tables.has(features::INSTANCES) && hit.instance != 0 {
-        place(tables, &mut p, hit.instance);
+        let instance = &tables.instances[hit.instance as usize];
+        place(instance, &mut p, hit.instance);
     }
     p
 }
@@ -146,9 +172,8 @@ pub fn surface_at_primitive(tables: &Tables<'_>, primitive: u32, a: f32, b: f32)
 }
 
 /// Moves a point in its group's space to the world by its instance.
-fn place(tables: &Tables<'_>, p: &mut SurfacePoint, instance: u32) {
-    let to_world = &tables.instances[instance as usize].to_world;
-    let to_object = &tables.instances[instance as usize].to_object;
+pub(super) fn place(record: &Instance, p: &mut SurfacePoint, instance: u32) {
+    let (to_world, to_object) = (&record.to_world, &record.to_object);
     let (in_group, normal_in_group) = (p.position, p.geometric_normal);
     p.instance = instance;
     p.position = transform_point(to_world, in_group);

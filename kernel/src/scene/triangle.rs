@@ -8,7 +8,7 @@
 //! zero derivatives. Checked: every derivative against central differences in f64.
 
 use super::intersect::ROUNDING;
-use super::records::{NONE, shape_flag};
+use super::records::{NONE, Shape, shape_flag};
 use super::surface::{NormalMap, SurfacePoint, detail, unit_or};
 use super::view::Tables;
 use crate::math::float::{abs, sqrt};
@@ -29,12 +29,91 @@ pub fn triangle_point_with<const DETAIL: u32>(
     b1: f32,
     b2: f32,
 ) -> SurfacePoint {
+    let corners = corners(tables, primitive);
+    triangle_point_of::<DETAIL>(&corners, primitive, b1, b2)
+}
+
+/// What the tables hold about a triangle.
+#[derive(Clone, Copy)]
+pub(super) struct Corners {
+    pub shape_index: u32,
+    pub shape: Shape,
+    pub positions: [Vec3; 3],
+    /// Zeros without texture coordinates.
+    pub uvs: [Vec2; 3],
+    /// Zeros without vertex normals.
+    pub normals: [Vec3; 3],
+}
+
+impl Corners {
+    /// Of no triangle.
+    pub const ZERO: Corners = Corners {
+        shape_index: 0,
+        shape: Shape {
+            material: 0,
+            emitter: NONE,
+            flags: 0,
+            normal_offset: NONE,
+            uv_offset: NONE,
+            first_vertex: 0,
+            first_primitive: 0,
+            primitive_count: 0,
+        },
+        positions: [Vec3::ZERO; 3],
+        uvs: [Vec2::ZERO; 3],
+        normals: [Vec3::ZERO; 3],
+    };
+}
+
+/// Whether the vertex normals of a mesh are to be interpolated.
+#[inline]
+pub(super) fn is_smooth(shape: &Shape) -> bool {
+    shape.normal_offset != NONE && shape.flags & shape_flag::FACE_NORMALS == 0
+}
+
+#[inline]
+fn corners(tables: &Tables<'_>, primitive: u32) -> Corners {
     let triangle = &tables.triangles[primitive as usize];
-    let shape = &tables.shapes[triangle.shape as usize];
+    let shape = tables.shapes[triangle.shape as usize];
     let [i0, i1, i2] = triangle.vertices;
-    let p0 = vec3(tables.positions[i0 as usize]);
-    let e1 = vec3(tables.positions[i1 as usize]) - p0;
-    let e2 = vec3(tables.positions[i2 as usize]) - p0;
+    let mut corners = Corners {
+        shape_index: triangle.shape,
+        shape,
+        positions: [
+            vec3(tables.positions[i0 as usize]),
+            vec3(tables.positions[i1 as usize]),
+            vec3(tables.positions[i2 as usize]),
+        ],
+        ..Corners::ZERO
+    };
+    if shape.uv_offset != NONE {
+        corners.uvs = [
+            uv_of(tables, i0, shape.uv_offset),
+            uv_of(tables, i1, shape.uv_offset),
+            uv_of(tables, i2, shape.uv_offset),
+        ];
+    }
+    if is_smooth(&shape) {
+        corners.normals = [
+            normal_of(tables, i0, shape.normal_offset),
+            normal_of(tables, i1, shape.normal_offset),
+            normal_of(tables, i2, shape.normal_offset),
+        ];
+    }
+    corners
+}
+
+/// [`triangle_point_with`] of a triangle that has been looked up.
+#[inline]
+pub(super) fn triangle_point_of<const DETAIL: u32>(
+    corners: &Corners,
+    primitive: u32,
+    b1: f32,
+    b2: f32,
+) -> SurfacePoint {
+    let shape = &corners.shape;
+    let [p0, p1, p2] = corners.positions;
+    let (e1, e2) = (p1 - p0, p2 - p0);
     let position = p0 + e1 * b1 + e2 * b2;
 
     let cross = e1.cross(e2);
@@ -50,18 +129,16 @@ pub fn triangle_point_with<const DETAIL: u32>(
     // The map from (b1, b2) to (u, v), by its columns.
     let (mut uv, mut duv1, mut duv2) = (Vec2::new(b1, b2), Vec2::X, Vec2::Y);
     if shape.uv_offset != NONE {
-        let uv0 = uv_of(tables, i0, shape.uv_offset);
-        duv1 = uv_of(tables, i1, shape.uv_offset) - uv0;
-        duv2 = uv_of(tables, i2, shape.uv_offset) - uv0;
+        let [uv0, uv1, uv2] = corners.uvs;
+        (duv1, duv2) = (uv1 - uv0, uv2 - uv0);
         uv = uv0 + duv1 * b1 + duv2 * b2;
     }
-    let is_smooth = shape.normal_offset != NONE && shape.flags & shape_flag::FACE_NORMALS == 0;
+    let is_smooth = is_smooth(shape);
     let (mut dn1, mut dn2) = (Vec3::ZERO, Vec3::ZERO);
     let mut n = geometric_normal;
     if is_smooth {
-        let n0 = normal_of(tables, i0, shape.normal_offset);
-        let n1 = normal_of(tables, i1, shape.normal_offset) - n0;
-        let n2 = normal_of(tables, i2, shape.normal_offset) - n0;
+        let n0 = corners.normals[0];
+        let (n1, n2) = (corners.normals[1] - n0, corners.normals[2] - n0);
         let normal = NormalMap::new(n0 + n1 * b1 + n2 * b2, geometric_normal);
         n = normal.n;
         if DETAIL >= detail::CURVATURE {
@@ -110,7 +187,7 @@ pub fn triangle_point_with<const DETAIL: u32>(
         dp_dv,
         dn_du,
         dn_dv,
-        shape: triangle.shape,
+        shape: corners.shape_index,
         primitive,
         instance: 0,
         material: shape.material,

@@ -1,12 +1,23 @@
-//! What a half-vector mutation is made of: the block solver against a dense one, constraints, a proposal, a walk.
+//! What a half-vector mutation is made of: the block solvers against dense ones, constraints, a proposal, a walk.
 //!
-//! `solve` factors J of a chain with k - 1 inner vertices and solves for one right-hand side; nalgebra does the same with its
-//! dense LU of dynamic size 2 (k - 1), filled beforehand. `constraints` makes all blocks and factors them. `walk` moves both
-//! vertices of a path through a glass ball over a plane by a tenth of their roughness, over a brute-force ray tracer of the
-//! two surfaces, so that traversal is a small part; `mutate` adds the walk back and the densities.
+//! Two tables of least times, 3000 batches each, of functions that ran in turn ([`halflight_benches::Race`]). All in `f32`.
+//!
+//! The first solves J x = h of a chain with k - 1 inner vertices, 2 (k - 1) unknowns: by elimination from both ends
+//! (`block_elimination`), by factors that are kept and one solution (`BlockLu`), and by nalgebra's dense LU with partial pivoting,
+//! of dynamic and of fixed size, factors and one solution, of a matrix that was filled and copied beforehand (its
+//! factorisation works in place: dynamic sizes pay for the copy's memory, as every caller who factors does).
+//!
+//! The second times all parts of a mutation beside one evaluation of a rough GGX conductor with its density. `constraints` makes
+//! all blocks and factors them. `walk` moves the vertices of a path through a glass ball over a plane by a tenth of their
+//! roughness, over a brute-force ray tracer of the two surfaces, so that traversal is a small part; `mutate` adds the walk
+//! back and the densities.
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+#[path = "../../kernel/tests/common/spheres.rs"]
+mod spheres;
+
 use glam::{Mat2, Vec2, Vec3};
+use halflight_benches::Race;
+use halflight_kernel::bsdf::{Lobe, lobe};
 use halflight_kernel::manifold::mutation::mutate;
 use halflight_kernel::manifold::step_size::{
     GAMMA, disk_proposal, image_step, slope_proposal, spectrum_weights,
@@ -14,12 +25,16 @@ use halflight_kernel::manifold::step_size::{
 use halflight_kernel::manifold::walk::{WalkOptions, walk};
 use halflight_kernel::manifold::{ChainJacobian, ChainVertex, half_vector_form, vertex_kind};
 use halflight_kernel::math::Ray;
+use halflight_kernel::math::block_elimination;
 use halflight_kernel::math::block_tridiagonal::BlockLu;
 use halflight_kernel::math::disk_lobe::DiskLobe;
 use halflight_kernel::math::moebius::{moebius, moebius_jacobian};
-use halflight_kernel::scene::intersect::intersect_quadric;
-use halflight_kernel::scene::*;
-use nalgebra::{DMatrix, DVector};
+use halflight_kernel::regularize::bounds;
+use halflight_kernel::scene::{
+    SceneView, Traverse, distribution, lobe_flag, lobe_kind, surface_at,
+};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use spheres::Spheres;
 use std::hint::black_box;
 
 const N: usize = 32;
@@ -42,59 +57,82 @@ impl Numbers {
     }
 }
 
-/// Both solvers for a path of K edges; the block solver has the capacity that it needs.
-fn solver<const K: usize>(c: &mut Criterion) {
-    let mut numbers = Numbers(7);
-    let n = K - 1;
-    let (mut lower, mut diagonal, mut upper) = ([Mat2::ZERO; K], [Mat2::ZERO; K], [Mat2::ZERO; K]);
-    let mut h = [Vec2::ZERO; K];
-    for i in 0..K {
-        lower[i] = numbers.block();
-        diagonal[i] = numbers.block() + Mat2::IDENTITY * 4.0;
-        upper[i] = numbers.block();
-        h[i] = Vec2::new(numbers.next(), numbers.next());
-    }
-    let mut group = c.benchmark_group("solve");
-    group.throughput(Throughput::Elements(n as u64));
-    group.bench_function(BenchmarkId::new("block", K), |b| {
-        b.iter(|| {
-            let (a, d, u) = black_box((&lower, &diagonal, &upper));
-            let lu: BlockLu<K> = BlockLu::factor(a, d, u, n);
-            let mut x = h;
+/// A line of the first table for a path of `$k` edges with `$d` unknowns. nalgebra knows fixed sizes only by name. The block
+/// solvers have the capacity that they need.
+macro_rules! solvers {
+    ($k:literal, $d:literal) => {{
+        const K: usize = $k;
+        let n = K - 1;
+        let mut numbers = Numbers(7);
+        let mut a = [Mat2::ZERO; K];
+        let (mut b, mut c, mut h) = (a, a, [Vec2::ZERO; K]);
+        for i in 0..K {
+            a[i] = numbers.block();
+            b[i] = numbers.block() + Mat2::IDENTITY * 4.0;
+            c[i] = numbers.block();
+            h[i] = Vec2::new(numbers.next(), numbers.next());
+        }
+        let mut dense = DMatrix::<f32>::zeros(2 * n, 2 * n);
+        for i in 0..n {
+            let mut put = |j: usize, m: Mat2| {
+                for r in 0..2 {
+                    for s in 0..2 {
+                        dense[(2 * i + r, 2 * j + s)] = m.col(s)[r];
+                    }
+                }
+            };
+            put(i, b[i]);
+            if i > 0 {
+                put(i - 1, a[i]);
+            }
+            if i + 1 < n {
+                put(i + 1, c[i]);
+            }
+        }
+        let right = DVector::from_fn(2 * n, |i, _| h[i / 2][i % 2]);
+        let fixed = SMatrix::<f32, $d, $d>::from_fn(|i, j| dense[(i, j)]);
+        let fixed_right = SVector::<f32, $d>::from_fn(|i, _| right[i]);
+
+        // All four agree.
+        let mut once = h;
+        assert!(block_elimination::solve(&a, &b, &c, n, &mut once));
+        let mut twice = h;
+        assert!(BlockLu::<K>::factor(&a, &b, &c, n).solve(&mut twice));
+        let expected = dense.clone().lu().solve(&right).unwrap();
+        for i in 0..2 * n {
+            let x = [once[i / 2][i % 2], twice[i / 2][i % 2]];
+            assert!((x[0] - expected[i]).abs() < 1e-5 && (x[1] - expected[i]).abs() < 1e-5);
+        }
+
+        let mut race = Race::new();
+        race.add(50, || {
+            let (a, b, c, mut x) = black_box((&a, &b, &c, h));
+            block_elimination::solve(a, b, c, n, &mut x);
+            x
+        });
+        race.add(50, || {
+            let (a, b, c, mut x) = black_box((&a, &b, &c, h));
+            let lu: BlockLu<K> = BlockLu::factor(a, b, c, n);
             lu.solve(&mut x);
             x
         });
-    });
-    let mut dense = DMatrix::<f32>::zeros(2 * n, 2 * n);
-    for i in 0..n {
-        let mut put = |j: usize, m: Mat2| {
-            for r in 0..2 {
-                for s in 0..2 {
-                    dense[(2 * i + r, 2 * j + s)] = m.col(s)[r];
-                }
-            }
-        };
-        put(i, diagonal[i]);
-        if i > 0 {
-            put(i - 1, lower[i]);
-        }
-        if i + 1 < n {
-            put(i + 1, upper[i]);
-        }
-    }
-    let right = DVector::from_fn(2 * n, |i, _| h[i / 2][i % 2]);
-    group.bench_function(BenchmarkId::new("nalgebra", K), |b| {
-        b.iter(|| black_box(dense.clone()).lu().solve(black_box(&right)));
-    });
-    group.finish();
-}
-
-fn solvers(c: &mut Criterion) {
-    solver::<2>(c);
-    solver::<4>(c);
-    solver::<8>(c);
-    solver::<16>(c);
-    solver::<32>(c);
+        race.add(50, || {
+            black_box(&dense).clone().lu().solve(black_box(&right))
+        });
+        race.add(50, || black_box(fixed).lu().solve(black_box(&fixed_right)));
+        let t = race.run();
+        println!(
+            "| {K} | {:.1} | {:.1} | {:.1} | {:.0} | {:.0} | {:.1} | {:.1} | {:.1} |",
+            t[0],
+            t[0] / n as f64,
+            t[1],
+            t[2],
+            t[3],
+            t[2] / t[0],
+            t[3] / t[0],
+            t[2] / t[1],
+        );
+    }};
 }
 
 /// A chain of mirrors and glass with curvature.
@@ -127,154 +165,31 @@ fn chain(len: usize) -> [ChainVertex; N] {
     vertices
 }
 
-fn chains(c: &mut Criterion) {
-    let mut group = c.benchmark_group("constraints");
-    for k in [2usize, 4, 8, 16, 31] {
-        let vertices = chain(k + 1);
-        group.throughput(Throughput::Elements(k as u64 - 1));
-        group.bench_with_input(BenchmarkId::new("slope", k), &k, |b, &k| {
-            b.iter(|| ChainJacobian::new(black_box(&vertices), k + 1, half_vector_form::SLOPE));
-        });
+/// The parts of a mutation, by name, in one race.
+struct Parts<'a> {
+    race: Race<'a>,
+    names: Vec<String>,
+}
+
+impl<'a> Parts<'a> {
+    fn add<T>(&mut self, name: impl Into<String>, f: impl FnMut() -> T + 'a) {
+        self.names.push(name.into());
+        self.race.add(20, f);
     }
-    group.finish();
 
-    let vertices = chain(9);
-    let jacobian = ChainJacobian::new(&vertices, 9, half_vector_form::SLOPE);
-    let mut group = c.benchmark_group("proposal");
-    group.throughput(Throughput::Elements(7));
-    group.bench_function("slopes of 7 vertices, sampled and evaluated", |b| {
-        b.iter(|| {
-            let jacobian = black_box(&jacobian);
-            let (mut weights, mut d) = ([0.0; N], [Mat2::ZERO; N]);
-            spectrum_weights(black_box(&vertices), 9, &mut weights);
-            jacobian.lu.row_of_inverse(7, &mut d);
-            let mut pdf = 1.0;
-            let mut target = jacobian.h;
-            for i in 1..8 {
-                let image = image_step(d[i], Vec2::X * 1e-2, Vec2::Y * 2e-2);
-                let p = slope_proposal(&vertices[i], jacobian.h[i], image, weights[i], GAMMA);
-                target[i] = p.sample(black_box(Vec2::new(0.3, 0.7)));
-                pdf *= p.pdf_slope(target[i]);
-            }
-            (target, pdf)
-        });
-    });
-    let image = image_step(Mat2::IDENTITY, Vec2::X * 1e-2, Vec2::Y * 2e-2);
-    let slope = slope_proposal(&vertices[1], Vec2::new(0.1, 0.2), image, 0.5, GAMMA);
-    let lobe: DiskLobe = disk_proposal(&slope);
-    group.throughput(Throughput::Elements(1));
-    group.bench_function("Phong lobe on the disk, sampled and evaluated", |b| {
-        b.iter(|| {
-            let lobe = black_box(&lobe);
-            let h = lobe.sample(black_box(Vec2::new(0.3, 0.7)));
-            (h, lobe.pdf_disk(h))
-        });
-    });
-    group.finish();
-
-    c.bench_function("moebius/map and Jacobian", |b| {
-        b.iter(|| {
-            let (a, z) = black_box((Vec2::new(0.5, -0.2), Vec2::new(-0.1, 0.6)));
-            (moebius(a, z), moebius_jacobian(a, z))
-        });
-    });
-}
-
-/// Two spheres, one of them large enough for a plane.
-struct Spheres {
-    quadrics: [Quadric; 2],
-}
-
-impl Spheres {
-    fn new() -> Spheres {
-        let sphere = |x: f32, z: f32, r: f32, shape| Quadric {
-            to_world: [r, 0.0, 0.0, x, 0.0, r, 0.0, 0.0, 0.0, 0.0, r, z],
-            to_object: [
-                1.0 / r,
-                0.0,
-                0.0,
-                -x / r,
-                0.0,
-                1.0 / r,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                1.0 / r,
-                -z / r,
-            ],
-            kind: quadric_kind::SPHERE,
-            shape,
-        };
-        Spheres {
-            quadrics: [sphere(0.0, 0.0, 1.0, 0), sphere(0.0, -51.5, 50.0, 1)],
+    /// Prints times and their ratios to the first.
+    fn print(self) {
+        let times = self.race.run();
+        println!("\n| part | ns | ratio |\n|---|---|---|");
+        for (name, time) in self.names.iter().zip(&times) {
+            println!("| {name} | {time:.0} | {:.2} |", time / times[0]);
         }
     }
 }
 
-impl Traverse for Spheres {
-    fn closest_hit(&self, ray: &Ray) -> Hit {
-        let mut hit = Hit::MISS;
-        for (i, q) in self.quadrics.iter().enumerate() {
-            let o = halflight_kernel::math::affine::transform_point(&q.to_object, ray.origin);
-            let d = halflight_kernel::math::affine::transform_vector(&q.to_object, ray.direction);
-            let t = intersect_quadric(q.kind, o, d, ray.t_min, ray.t_max.min(hit.t));
-            if t < hit.t {
-                hit = Hit {
-                    t,
-                    primitive: i as u32,
-                    ..Hit::MISS
-                };
-                hit.instance = 0;
-            }
-        }
-        hit
-    }
-
-    fn is_occluded(&self, ray: &Ray) -> bool {
-        self.closest_hit(ray).is_hit()
-    }
-}
-
-fn walks(c: &mut Criterion) {
-    let scene = Spheres::new();
-    let shape = |material| Shape {
-        material,
-        emitter: NONE,
-        flags: 0,
-        normal_offset: NONE,
-        uv_offset: NONE,
-        first_vertex: 0,
-        first_primitive: 0,
-        primitive_count: 1,
-    };
-    let shapes = [shape(0), shape(1)];
-    let camera: Camera = bytemuck::Zeroable::zeroed();
-    let info: SceneInfo = bytemuck::Zeroable::zeroed();
-    let tables = Tables {
-        positions: &[],
-        normals: &[],
-        uvs: &[],
-        triangles: &[],
-        quadrics: &scene.quadrics,
-        shapes: &shapes,
-        instances: &[],
-        materials: &[],
-        lobes: &[],
-        factors: &[],
-        frame_maps: &[],
-        textures: &[],
-        texels: &[],
-        data: &[],
-        emitters: &[],
-        camera,
-        info,
-    };
-    let view = SceneView {
-        tables,
-        traverse: &scene,
-    };
-    // Light, into the ball, out of the ball, off the ground, eye.
+/// A path from a light into a glass ball, out of it, off the ground and to the eye.
+fn caustic(scene: &Spheres) -> [ChainVertex; N] {
+    let tables = scene.tables();
     let mut vertices = [ChainVertex::NONE; N];
     vertices[0] = ChainVertex::point(Vec3::new(0.4, 0.0, 3.0));
     let guesses = [
@@ -288,64 +203,150 @@ fn walks(c: &mut Criterion) {
         let side = from.geometric_normal.dot(d).signum();
         let origin = from.position + from.geometric_normal * side * from.position_error;
         let ray = Ray::new(origin, d);
-        let point = surface_at(&view.tables, &ray, &scene.closest_hit(&ray));
+        let point = surface_at(&tables, &ray, &scene.closest_hit(&ray));
         let eta = [1.5, 1.0 / 1.5, 1.0][i];
         vertices[i + 1] =
             ChainVertex::from_surface(&point).scattering(i < 2, eta, Vec2::splat(0.1));
     }
     vertices[4] = ChainVertex::point(Vec3::new(3.0, 0.5, 0.5));
+    vertices
+}
+
+fn parts() {
+    let conductor = Lobe {
+        kind: lobe_kind::ROUGH_CONDUCTOR,
+        distribution: distribution::GGX,
+        flags: lobe_flag::FRONT,
+        weight: 1.0,
+        specular_reflectance: Vec3::ONE,
+        eta: Vec3::splat(1.5),
+        k: Vec3::splat(3.0),
+        alpha: Vec2::splat(0.2),
+        ..Lobe::NONE
+    };
+    let (wi, wo) = (
+        Vec3::new(0.3, -0.2, 0.8).normalize(),
+        Vec3::new(-0.2, 0.3, 0.7).normalize(),
+    );
+    let chains = [2usize, 4, 8, 16, 31].map(|k| (k, chain(k + 1)));
+    let vertices = chain(9);
+    let jacobian = ChainJacobian::new(&vertices, 9, half_vector_form::SLOPE);
+    let image = image_step(Mat2::IDENTITY, Vec2::X * 1e-2, Vec2::Y * 2e-2);
+    let slope = slope_proposal(&vertices[1], Vec2::new(0.1, 0.2), image, 0.5, GAMMA);
+    let lobe_on_disk: DiskLobe = disk_proposal(&slope);
+
+    // A ball on another that is large enough for a plane.
+    let below = Vec3::new(0.0, 0.0, -51.5);
+    let scene = Spheres::new([(Vec3::ZERO, 1.0, 0), (below, 50.0, 1)]);
+    let view = SceneView {
+        tables: scene.tables(),
+        traverse: &scene,
+    };
+    let path = caustic(&scene);
     let options = WalkOptions::new(3.0);
-    let jacobian = ChainJacobian::new(&vertices, 5, options.form);
-    let mut target = jacobian.h;
+    let at_start = ChainJacobian::new(&path, 5, options.form);
+    let mut target = at_start.h;
     for h in &mut target[1..4] {
         *h += Vec2::new(0.007, -0.004);
     }
-    let found = walk(&view, &vertices, &jacobian, &target, &options);
+    let found = walk(&view, &path, &at_start, &target, &options);
     assert!(found.is_converged());
-    println!("the walk takes {} iterations of 3 rays", found.iterations);
-    let mut group = c.benchmark_group("path");
-    group.bench_function("walk of 3 vertices", |b| {
-        b.iter(|| {
-            walk(
-                &view,
-                black_box(&vertices),
-                &jacobian,
-                black_box(&target),
-                &options,
-            )
-        });
+    println!(
+        "\nThe walk takes {} iterations of 3 rays.",
+        found.iterations
+    );
+
+    let mut parts = Parts {
+        race: Race::new(),
+        names: vec![],
+    };
+    parts.add("rough GGX conductor, evaluated with its density", || {
+        lobe::eval_cosine_pdf(black_box(&conductor), &[], black_box(wi), wo)
     });
-    group.bench_function("mutation of 3 vertices", |b| {
-        b.iter(|| {
-            mutate(
-                &view,
-                black_box(&vertices),
-                &jacobian,
-                black_box(&target),
-                &options,
-            )
+    for (k, vertices) in &chains {
+        parts.add(format!("constraints and factors, k = {k}"), move || {
+            ChainJacobian::new(black_box(vertices), k + 1, half_vector_form::SLOPE)
         });
+    }
+    parts.add("proposal for 7 vertices, sampled and evaluated", || {
+        let jacobian = black_box(&jacobian);
+        let (mut weights, mut d) = ([0.0; N], [Mat2::ZERO; N]);
+        spectrum_weights(black_box(&vertices), 9, &mut weights);
+        jacobian.lu.row_of_inverse(7, &mut d);
+        let mut pdf = 1.0;
+        let mut target = jacobian.h;
+        for i in 1..8 {
+            let image = image_step(d[i], Vec2::X * 1e-2, Vec2::Y * 2e-2);
+            let p = slope_proposal(&vertices[i], jacobian.h[i], image, weights[i], GAMMA);
+            target[i] = p.sample(black_box(Vec2::new(0.3, 0.7)));
+            pdf *= p.pdf_slope(target[i]);
+        }
+        (target, pdf)
     });
-    group.bench_function("3 rays", |b| {
-        b.iter(|| {
-            let mut t = 0.0;
-            for i in 0..3 {
-                let d = vertices[i + 1].position - vertices[i].position;
-                let ray = Ray::new(black_box(vertices[i].position), d.normalize());
-                t += scene.closest_hit(&ray).t;
-            }
-            t
-        });
+    parts.add("Phong lobe on the disk, sampled and evaluated", || {
+        let lobe = black_box(&lobe_on_disk);
+        let h = lobe.sample(black_box(Vec2::new(0.3, 0.7)));
+        (h, lobe.pdf_disk(h))
     });
-    group.finish();
+    parts.add("Moebius map and its Jacobian", || {
+        let (a, z) = black_box((Vec2::new(0.5, -0.2), Vec2::new(-0.1, 0.6)));
+        (moebius(a, z), moebius_jacobian(a, z))
+    });
+    parts.add("walk of 3 vertices", || {
+        walk(
+            &view,
+            black_box(&path),
+            &at_start,
+            black_box(&target),
+            &options,
+        )
+    });
+    parts.add("mutation: walk, walk back, densities", || {
+        mutate(
+            &view,
+            black_box(&path),
+            &at_start,
+            black_box(&target),
+            &options,
+        )
+    });
+    parts.add("3 rays of an iteration", || {
+        let mut t = 0.0;
+        for i in 0..3 {
+            let d = path[i + 1].position - path[i].position;
+            let ray = Ray::new(black_box(path[i].position), d.normalize());
+            t += scene.closest_hit(&ray).t;
+        }
+        t
+    });
+    parts.add("bound of reflection", || {
+        bounds::reflection_bound(
+            bounds::SMITH,
+            distribution::GGX,
+            black_box(Vec2::splat(0.1)),
+        )
+    });
+    parts.add("alpha-hat of reflection", || {
+        bounds::reflection_alpha(bounds::SMITH, distribution::GGX, black_box(100.0))
+    });
+    parts.add("tight bound of refraction", || {
+        bounds::tight_refraction_bound(distribution::GGX, black_box(0.1), 1.5)
+    });
+    parts.add("tight alpha-hat of refraction", || {
+        bounds::tight_refraction_alpha(distribution::GGX, black_box(100.0), black_box(1.5))
+    });
+    parts.print();
 }
 
-criterion_group! {
-    name = benches;
-    config = Criterion::default()
-        .sample_size(30)
-        .warm_up_time(std::time::Duration::from_millis(300))
-        .measurement_time(std::time::Duration::from_millis(1000));
-    targets = solvers, chains, walks
+fn main() {
+    println!(
+        "| k | at once | per inner vertex | factors, then solve | nalgebra, dynamic | nalgebra, fixed | dynamic / at once | fixed / at once | dynamic / factors |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    solvers!(2, 2);
+    solvers!(4, 6);
+    solvers!(8, 14);
+    solvers!(16, 30);
+    solvers!(32, 62);
+    parts();
 }
-criterion_main!(benches);

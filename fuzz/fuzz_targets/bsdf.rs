@@ -2,89 +2,16 @@
 //! negative, samples of unit length. Run with `cargo fuzz run bsdf`, see `Cargo.toml`.
 #![no_main]
 
-use glam::{Vec2, Vec3};
+#[path = "../../kernel/tests/common/hostile_lobes.rs"]
+mod hostile_lobes;
+
+use glam::Vec2;
 use halflight_kernel::bsdf::diffracting_conductor::fill_table;
 use halflight_kernel::bsdf::diffraction_table::{FineScale, WORDS};
-use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, local_beckmann_roughness, mode};
-use halflight_kernel::math::Frame;
-use halflight_kernel::scene::{NONE, lobe_kind};
+use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, local_beckmann_roughness};
+use hostile_lobes::Bytes;
 use libfuzzer_sys::fuzz_target;
 use std::sync::OnceLock;
-
-/// A reader that ends in zeros.
-struct Bytes<'a>(&'a [u8]);
-
-impl Bytes<'_> {
-    fn byte(&mut self) -> u8 {
-        let (first, rest) = self.0.split_first().unwrap_or((&0, &[]));
-        self.0 = rest;
-        *first
-    }
-
-    /// In [0, 1], both ends among the likely values.
-    fn unit(&mut self) -> f32 {
-        let x = u16::from_le_bytes([self.byte(), self.byte()]);
-        f32::from(x) / f32::from(u16::MAX)
-    }
-
-    /// In [0, 1).
-    fn number(&mut self) -> f32 {
-        self.unit().min(1.0 - f32::EPSILON)
-    }
-
-    /// A unit vector, which may lie on the horizon or next to it.
-    fn direction(&mut self) -> Vec3 {
-        let kind = self.byte();
-        let phi = std::f32::consts::TAU * self.unit();
-        let z = 2.0 * self.unit() - 1.0;
-        let z = match kind % 4 {
-            0 => z * 1e-6,
-            1 => z.signum(),
-            _ => z,
-        };
-        let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        Vec3::new(r * phi.cos(), r * phi.sin(), z)
-    }
-
-    fn lobe(&mut self) -> Lobe {
-        let mut l = Lobe::NONE;
-        // Plastics and coats may read tables of their own kind; here they have none.
-        l.kind = match u32::from(self.byte()) % 14 {
-            11 => lobe_kind::NULL,
-            kind => kind,
-        };
-        l.distribution = u32::from(self.byte()) % 4;
-        l.flags = u32::from(self.byte()) % 64;
-        l.weight = self.unit();
-        l.reflectance = Vec3::new(self.unit(), self.unit(), self.unit());
-        l.specular_reflectance = Vec3::splat(self.unit());
-        l.specular_transmittance = Vec3::splat(self.unit());
-        // The index is 1, near 1, or in [1/3, 3].
-        let eta = match self.byte() % 4 {
-            0 => 1.0,
-            1 => 1.0 + 1e-4 * (self.unit() - 0.5),
-            _ => 3.0_f32.powf(2.0 * self.unit() - 1.0),
-        };
-        l.eta = Vec3::splat(eta);
-        l.k = Vec3::splat(5.0 * self.unit());
-        l.alpha = Vec2::new(self.unit().powi(3), self.unit().powi(3));
-        l.exponent = 8.0 * self.unit();
-        l.internal_reflectance = self.unit();
-        l.table = if l.kind == lobe_kind::DIFFRACTING_CONDUCTOR {
-            0
-        } else {
-            NONE
-        };
-        if self.byte() % 4 == 0 {
-            l.frame = Frame::from_normal(self.direction());
-            l.has_frame = true;
-        }
-        if self.byte() % 2 == 0 {
-            l.mode = mode::IMPORTANCE;
-        }
-        l
-    }
-}
 
 /// One table of a diffracting conductor.
 fn table() -> &'static [f32] {

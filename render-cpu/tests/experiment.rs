@@ -57,6 +57,8 @@ fn regularized_lobes_stay_below_tau() {
     let report = bounds::run(true);
     let largest = figure(&report, "largest over tau");
     assert!(largest > 0.9 && largest < 1.001, "{}", report.text);
+    let least = figure(&report, "least refracted over tau");
+    assert!(least > 0.94, "the search loses the peak: {}", report.text);
     assert!((figure(&report, "Beckmann 1 1 reflection") - 1.47).abs() < 0.03);
     for name in ["GGX 0.1 0.1 reflection", "Beckmann 0.4 0.4 reflection"] {
         let ratio = figure(&report, name);

@@ -13,7 +13,7 @@ use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 use halflight_kernel::manifold::half_vector_form;
 use halflight_kernel::manifold::{ChainVertex, vertex_kind};
 use halflight_kernel::math::Frame;
-use halflight_kernel::scene::{NONE, SurfacePoint};
+use halflight_kernel::scene::SurfacePoint;
 use proptest::prelude::*;
 
 /// Capacity of the tests' chains.
@@ -86,17 +86,11 @@ impl Patch {
             position_error: 1e-6,
             geometric_normal: self.n.as_vec3(),
             frame: Frame::from_normal_tangent(self.normal(DVec2::ZERO).as_vec3(), dp_du),
-            uv: Vec2::ZERO,
-            barycentric: Vec2::ZERO,
             dp_du,
             dp_dv: dp(DVec2::Y),
             dn_du: dn(DVec2::X),
             dn_dv: dn(DVec2::Y),
-            shape: 0,
-            primitive: 0,
-            instance: 0,
-            material: 0,
-            emitter: NONE,
+            ..SurfacePoint::ZERO
         }
     }
 }

@@ -3,6 +3,9 @@
 //!
 //! One body for the fuzz target and for the test that feeds it random bytes.
 
+#[path = "spheres.rs"]
+mod spheres;
+
 use glam::{Mat2, Vec2, Vec3};
 use halflight_kernel::manifold::breakup::{probabilities_b, probabilities_c};
 use halflight_kernel::manifold::chain::{
@@ -15,9 +18,9 @@ use halflight_kernel::manifold::step_size::{
 };
 use halflight_kernel::manifold::walk::WalkOptions;
 use halflight_kernel::manifold::{ChainJacobian, ChainVertex};
-use halflight_kernel::math::Ray;
 use halflight_kernel::math::scaled::Scaled;
-use halflight_kernel::scene::*;
+use halflight_kernel::scene::{SceneView, SurfacePoint};
+use spheres::Spheres;
 
 const N: usize = 8;
 
@@ -71,33 +74,6 @@ impl Input<'_> {
 
     fn unit(&mut self) -> Vec3 {
         self.vector().try_normalize().unwrap_or(Vec3::Z)
-    }
-}
-
-/// A ball in a ball, all of one material.
-struct Balls([Quadric; 2]);
-
-impl Traverse for Balls {
-    fn closest_hit(&self, ray: &Ray) -> Hit {
-        let mut hit = Hit::MISS;
-        for (i, q) in self.0.iter().enumerate() {
-            let o = halflight_kernel::math::affine::transform_point(&q.to_object, ray.origin);
-            let d = halflight_kernel::math::affine::transform_vector(&q.to_object, ray.direction);
-            let t = intersect::intersect_quadric(q.kind, o, d, ray.t_min, ray.t_max.min(hit.t));
-            if t < hit.t {
-                hit = Hit {
-                    t,
-                    primitive: i as u32,
-                    instance: 0,
-                    ..Hit::MISS
-                };
-            }
-        }
-        hit
-    }
-
-    fn is_occluded(&self, ray: &Ray) -> bool {
-        self.closest_hit(ray).is_hit()
     }
 }
 
@@ -164,17 +140,11 @@ pub fn check(bytes: &[u8]) -> (bool, bool) {
                 position_error: input.finite().abs(),
                 geometric_normal: n,
                 frame: halflight_kernel::math::Frame::from_normal(input.unit()),
-                uv: Vec2::ZERO,
-                barycentric: Vec2::ZERO,
                 dp_du: input.vector(),
                 dp_dv: input.vector(),
                 dn_du: input.vector(),
                 dn_dv: input.vector(),
-                shape: 0,
-                primitive: 0,
-                instance: 0,
-                material: 0,
-                emitter: NONE,
+                ..SurfacePoint::ZERO
             };
             let x = ChainVertex::from_surface(&point);
             if inner {
@@ -185,48 +155,10 @@ pub fn check(bytes: &[u8]) -> (bool, bool) {
             }
         };
     }
-    let ball = |r: f32| Quadric {
-        to_world: [r, 0.0, 0.0, 0.0, 0.0, r, 0.0, 0.0, 0.0, 0.0, r, 0.0],
-        to_object: [
-            1.0 / r,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0 / r,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0 / r,
-            0.0,
-        ],
-        kind: quadric_kind::SPHERE,
-        shape: 0,
-    };
-    let balls = Balls([ball(1.0), ball(3.0)]);
-    let shape: Shape = bytemuck::Zeroable::zeroed();
-    let tables = Tables {
-        positions: &[],
-        normals: &[],
-        uvs: &[],
-        triangles: &[],
-        quadrics: &balls.0,
-        shapes: &[shape],
-        instances: &[],
-        materials: &[],
-        lobes: &[],
-        factors: &[],
-        frame_maps: &[],
-        textures: &[],
-        texels: &[],
-        data: &[],
-        emitters: &[],
-        camera: bytemuck::Zeroable::zeroed(),
-        info: bytemuck::Zeroable::zeroed(),
-    };
+    // A ball in a ball, all of one material.
+    let balls = Spheres::new([(Vec3::ZERO, 1.0, 0), (Vec3::ZERO, 3.0, 0)]);
     let view = SceneView {
-        tables,
+        tables: balls.tables(),
         traverse: &balls,
     };
     let mut options = WalkOptions::new(3.0);

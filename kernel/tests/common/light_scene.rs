@@ -1,9 +1,10 @@
 //! Small scenes in memory for tests of lights and cameras, and a brute-force ray tracer over them.
 
+use super::brute_force;
+use super::empty_tables::empty_tables;
 use glam::{Affine3A, Vec3};
 use halflight_kernel::math::Ray;
-use halflight_kernel::math::affine::{IDENTITY, transform_point, transform_vector};
-use halflight_kernel::scene::intersect::{ShearedRay, intersect_quadric, intersect_triangle};
+use halflight_kernel::math::affine::IDENTITY;
 use halflight_kernel::scene::*;
 
 /// Owned tables.
@@ -141,17 +142,13 @@ impl Scene {
             triangles: &self.triangles,
             quadrics: &self.quadrics,
             shapes: &self.shapes,
-            instances: &[],
-            materials: &[],
-            lobes: &[],
-            factors: &[],
-            frame_maps: &[],
             textures: &self.textures,
             texels: &self.texels,
             data: &self.data,
             emitters: &self.emitters,
             camera: self.camera,
             info: self.info,
+            ..empty_tables()
         }
     }
 
@@ -307,37 +304,6 @@ impl Scene {
 
     /// The nearest intersection, by trying everything.
     pub fn closest_hit(&self, ray: &Ray) -> Hit {
-        let mut hit = Hit::MISS;
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
-        for (i, t) in self.triangles.iter().enumerate() {
-            let p = t
-                .vertices
-                .map(|v| Vec3::from_array(self.positions[v as usize]));
-            let h = intersect_triangle(&sheared, p[0], p[1], p[2], ray.t_min, ray.t_max.min(hit.t));
-            if h.t < hit.t {
-                hit = Hit {
-                    t: h.t,
-                    b1: h.b1,
-                    b2: h.b2,
-                    primitive: i as u32,
-                    instance: 0,
-                };
-            }
-        }
-        for (i, q) in self.quadrics.iter().enumerate() {
-            let origin = transform_point(&q.to_object, ray.origin);
-            let direction = transform_vector(&q.to_object, ray.direction);
-            let t = intersect_quadric(q.kind, origin, direction, ray.t_min, ray.t_max.min(hit.t));
-            if t < hit.t {
-                hit = Hit {
-                    t,
-                    b1: 0.0,
-                    b2: 0.0,
-                    primitive: (self.triangles.len() + i) as u32,
-                    instance: 0,
-                };
-            }
-        }
-        hit
+        brute_force::closest_hit(&self.tables(), ray)
     }
 }

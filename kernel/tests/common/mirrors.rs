@@ -3,12 +3,13 @@
 // Each test file uses its part.
 #![allow(dead_code)]
 
+#[path = "brute_force.rs"]
+mod brute_force;
+
 use super::primitives::{Primitives, rows};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use halflight_kernel::manifold::{ChainVertex, MAX_CHAIN};
 use halflight_kernel::math::Ray;
-use halflight_kernel::math::affine::{transform_point, transform_vector};
-use halflight_kernel::scene::intersect::{ShearedRay, intersect_quadric, intersect_triangle};
 use halflight_kernel::scene::*;
 
 /// A chain of any length.
@@ -133,39 +134,7 @@ impl Mirrors {
 
 impl Traverse for Mirrors {
     fn closest_hit(&self, ray: &Ray) -> Hit {
-        let g = &self.geometry;
-        let mut hit = Hit::MISS;
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
-        for (i, t) in g.triangles.iter().enumerate() {
-            let p = t
-                .vertices
-                .map(|v| Vec3::from_array(g.positions[v as usize]));
-            let h = intersect_triangle(&sheared, p[0], p[1], p[2], ray.t_min, ray.t_max.min(hit.t));
-            if h.t < hit.t {
-                hit = Hit {
-                    t: h.t,
-                    b1: h.b1,
-                    b2: h.b2,
-                    primitive: i as u32,
-                    instance: 0,
-                };
-            }
-        }
-        for (i, q) in g.quadrics.iter().enumerate() {
-            let origin = transform_point(&q.to_object, ray.origin);
-            let direction = transform_vector(&q.to_object, ray.direction);
-            let t = intersect_quadric(q.kind, origin, direction, ray.t_min, ray.t_max.min(hit.t));
-            if t < hit.t {
-                hit = Hit {
-                    t,
-                    b1: 0.0,
-                    b2: 0.0,
-                    primitive: (g.triangles.len() + i) as u32,
-                    instance: 0,
-                };
-            }
-        }
-        hit
+        brute_force::closest_hit(&self.geometry.tables(), ray)
     }
 
     fn is_occluded(&self, ray: &Ray) -> bool {

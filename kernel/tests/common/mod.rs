@@ -3,8 +3,10 @@
 // Every test binary compiles this module and uses a part of it.
 #![allow(dead_code)]
 
+pub mod brute_force;
 pub mod chi_square;
 pub mod coated;
+pub mod empty_tables;
 pub mod furnace;
 pub mod light_scene;
 pub mod lobes;

@@ -3,6 +3,9 @@
 // Each test file uses its part.
 #![allow(dead_code)]
 
+#[path = "empty_tables.rs"]
+mod empty_tables;
+
 use bytemuck::Zeroable;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec3};
 use halflight_kernel::scene::*;
@@ -32,16 +35,7 @@ impl Primitives {
             quadrics: &self.quadrics,
             shapes: &self.shapes,
             instances: &self.instances,
-            materials: &[],
-            lobes: &[],
-            factors: &[],
-            frame_maps: &[],
-            textures: &[],
-            texels: &[],
-            data: &[],
-            emitters: &[],
-            camera: Camera::zeroed(),
-            info: SceneInfo::zeroed(),
+            ..empty_tables::empty_tables()
         }
     }
 

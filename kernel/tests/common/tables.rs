@@ -1,5 +1,6 @@
 //! Small scene tables owned by a test.
 
+use super::empty_tables::empty_tables;
 use glam::{Vec2, Vec3};
 use halflight_kernel::math::Frame;
 use halflight_kernel::scene::*;
@@ -29,13 +30,7 @@ impl Owned {
     /// The borrowed form.
     pub fn tables(&self) -> Tables<'_> {
         Tables {
-            positions: &[],
-            normals: &[],
-            uvs: &[],
             triangles: &self.triangles,
-            quadrics: &[],
-            shapes: &[],
-            instances: &[],
             materials: &self.materials,
             lobes: &self.lobes,
             factors: &self.factors,
@@ -43,9 +38,7 @@ impl Owned {
             textures: &self.textures,
             texels: &self.texels,
             data: &self.data,
-            emitters: &[],
-            camera: bytemuck::Zeroable::zeroed(),
-            info: bytemuck::Zeroable::zeroed(),
+            ..empty_tables()
         }
     }
 
@@ -102,20 +95,12 @@ pub fn lobe_record(kind: u32) -> LobeRecord {
 /// A point on the plane z = 0 with the given coordinates and material 0.
 pub fn point(uv: Vec2) -> SurfacePoint {
     SurfacePoint {
-        position: Vec3::ZERO,
-        position_error: 0.0,
         geometric_normal: Vec3::Z,
         frame: Frame::LOCAL,
         uv,
-        barycentric: Vec2::ZERO,
         dp_du: Vec3::X,
         dp_dv: Vec3::Y,
-        dn_du: Vec3::ZERO,
-        dn_dv: Vec3::ZERO,
-        shape: 0,
         primitive: NONE,
-        instance: 0,
-        material: 0,
-        emitter: NONE,
+        ..SurfacePoint::ZERO
     }
 }

@@ -4,10 +4,11 @@
 
 mod common;
 
+use common::lobes::specular;
 use common::oracle::{Row, rows};
 use glam::{Vec2, Vec3};
-use halflight_kernel::bsdf::{Lobe, fresnel, mode, rough_conductor, rough_dielectric};
-use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
+use halflight_kernel::bsdf::{Lobe, fresnel, rough_conductor, rough_dielectric};
+use halflight_kernel::scene::{distribution, lobe_kind};
 
 /// The tolerance table. Errors are relative unless they say otherwise.
 mod tolerance {
@@ -101,23 +102,12 @@ fn assert_close(name: &str, what: &str, row: &Row, got: f64, want: f64, relative
 }
 
 fn lobe(kind: u32, distribution: u32, alpha: Vec2) -> Lobe {
-    Lobe {
-        kind,
-        distribution,
-        flags: lobe_flag::FRONT | lobe_flag::BACK,
-        weight: 1.0,
-        specular_reflectance: Vec3::ONE,
-        specular_transmittance: Vec3::ONE,
-        eta: if kind == lobe_kind::ROUGH_CONDUCTOR {
-            Vec3::new(0.143, 0.375, 1.442)
-        } else {
-            Vec3::splat(1.5)
-        },
-        k: Vec3::new(3.983, 2.386, 1.603),
-        alpha,
-        mode: mode::RADIANCE,
-        ..Lobe::NONE
+    let mut lobe = specular(kind, distribution, alpha, 1.5);
+    if kind == lobe_kind::ROUGH_CONDUCTOR {
+        lobe.eta = Vec3::new(0.143, 0.375, 1.442);
+        lobe.k = Vec3::new(3.983, 2.386, 1.603);
     }
+    lobe
 }
 
 macro_rules! file {

@@ -10,12 +10,13 @@ mod common;
 mod microfacet_f64;
 
 use common::Random;
+use common::lobes::specular;
 use glam::{DVec3, Vec2, Vec3};
 use halflight_kernel::bsdf::{Lobe, mode, rough_conductor, rough_dielectric};
 use halflight_kernel::regularize::bounds::{
     SMITH, V_CAVITY, peak_excess, reflection_bound, refraction_bound, tight_refraction_bound,
 };
-use halflight_kernel::scene::{lobe_flag, lobe_kind};
+use halflight_kernel::scene::lobe_kind;
 use microfacet_f64::{BECKMANN, COSINE, GGX, Masking, direction, reflection, refraction};
 use std::f64::consts::PI;
 
@@ -212,22 +213,6 @@ fn refraction_stays_below_its_bounds() {
     }
 }
 
-fn lobe(kind: u32, distribution: u32, alpha: Vec2, eta: f32) -> Lobe {
-    Lobe {
-        kind,
-        distribution,
-        flags: lobe_flag::FRONT | lobe_flag::BACK,
-        weight: 1.0,
-        specular_reflectance: Vec3::ONE,
-        specular_transmittance: Vec3::ONE,
-        eta: Vec3::splat(eta),
-        // A perfect conductor: F = 1 as the bound has it.
-        k: Vec3::splat(1e6),
-        alpha,
-        ..Lobe::NONE
-    }
-}
-
 /// The kernel's own single-precision lobes, on both sides, for radiance and importance.
 #[test]
 fn the_kernels_lobes_stay_below_their_bounds() {
@@ -235,8 +220,12 @@ fn the_kernels_lobes_stay_below_their_bounds() {
     let mut closest = 0.0_f32;
     for kind in [GGX, BECKMANN] {
         for alpha in [Vec2::splat(0.02), Vec2::splat(0.3), Vec2::new(0.1, 0.6)] {
-            let conductor = lobe(lobe_kind::ROUGH_CONDUCTOR, kind, alpha, 1.0);
-            let mut glass = lobe(lobe_kind::ROUGH_DIELECTRIC, kind, alpha, 1.5);
+            // A perfect conductor: F = 1 as the bound has it.
+            let conductor = Lobe {
+                k: Vec3::splat(1e6),
+                ..specular(lobe_kind::ROUGH_CONDUCTOR, kind, alpha, 1.0)
+            };
+            let mut glass = specular(lobe_kind::ROUGH_DIELECTRIC, kind, alpha, 1.5);
             let reflected = reflection_bound(SMITH, kind, alpha);
             let refracted = refraction_bound(SMITH, kind, alpha, 1.5);
             for n in 0..40_000 {

@@ -1,5 +1,8 @@
 //! Rough conductors and dielectrics: Jacobians, reciprocity, sampling, energy.
 
+mod common;
+
+use common::lobes::specular;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::microfacet::visible_normal_pdf;
 use halflight_kernel::bsdf::{
@@ -8,21 +11,6 @@ use halflight_kernel::bsdf::{
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
 use proptest::prelude::*;
-
-fn lobe(kind: u32, distribution: u32, alpha: Vec2, eta: f32) -> Lobe {
-    Lobe {
-        kind,
-        distribution,
-        flags: lobe_flag::FRONT | lobe_flag::BACK,
-        weight: 1.0,
-        specular_reflectance: Vec3::ONE,
-        specular_transmittance: Vec3::ONE,
-        eta: Vec3::splat(eta),
-        k: Vec3::splat(2.0),
-        alpha,
-        ..Lobe::NONE
-    }
-}
 
 fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Vec3 {
     if lobe.kind == lobe_kind::ROUGH_CONDUCTOR {
@@ -138,7 +126,7 @@ proptest! {
         let wi = direction(if below { -zi } else { zi }, 0.7);
         let wo = direction(zo, phi);
         let reflection = wi.z * wo.z > 0.0;
-        let l = lobe(lobe_kind::ROUGH_DIELECTRIC, distribution::GGX, Vec2::splat(0.8), eta);
+        let l = specular(lobe_kind::ROUGH_DIELECTRIC, distribution::GGX, Vec2::splat(0.8), eta);
         let p = f64::from(pdf(&l, wi, wo));
         if p < 1e-4 {
             return Ok(());
@@ -171,7 +159,7 @@ proptest! {
     ) {
         let (wi, wo) = (direction(zi, 0.7), direction(zo, phi));
         for kind in ROUGH {
-            let mut l = lobe(kind, d, Vec2::new(ax, ay), eta);
+            let mut l = specular(kind, d, Vec2::new(ax, ay), eta);
             let (f, g) = (f64::from(eval(&l, wi, wo).x), f64::from(eval(&l, wo, wi).x));
             // f(wi, wo) / n_i^2 = f(wo, wi) / n_o^2 for radiance.
             let e = if zi * zo > 0.0 { 1.0 } else { f64::from(fresnel::relative_eta(wi.z, eta)) };
@@ -200,7 +188,7 @@ proptest! {
     ) {
         let wi = direction(z, phi);
         for kind in ROUGH {
-            let mut l = lobe(kind, d, Vec2::new(ax, ay), eta);
+            let mut l = specular(kind, d, Vec2::new(ax, ay), eta);
             if all {
                 l.flags |= lobe_flag::SAMPLE_ALL_NORMALS;
             }
@@ -282,7 +270,7 @@ fn rough_samples_follow_their_density_and_conserve_energy() {
             for alpha in [Vec2::new(0.2, 0.2), Vec2::new(0.25, 0.8)] {
                 for z in [0.9_f32, 0.3, -0.05, -0.8] {
                     for all in [false, true] {
-                        let mut l = lobe(kind, d, alpha, 1.5);
+                        let mut l = specular(kind, d, alpha, 1.5);
                         l.mode = mode::IMPORTANCE;
                         l.flags |= if all {
                             lobe_flag::SAMPLE_ALL_NORMALS
@@ -377,7 +365,7 @@ fn nearly_smooth_dielectric_loses_nothing() {
         for z in [0.9_f32, 0.3, -0.8] {
             let l = Lobe {
                 mode: mode::IMPORTANCE,
-                ..lobe(lobe_kind::ROUGH_DIELECTRIC, d, Vec2::splat(1e-4), 1.5)
+                ..specular(lobe_kind::ROUGH_DIELECTRIC, d, Vec2::splat(1e-4), 1.5)
             };
             let smooth = Lobe {
                 kind: lobe_kind::DIELECTRIC,

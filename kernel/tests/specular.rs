@@ -1,5 +1,8 @@
 //! Conductors and dielectrics: the smooth ones in full, and totality of all.
 
+mod common;
+
+use common::lobes::specular;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::{
     BsdfSample, Lobe, conductor, dielectric, event, fresnel, mode, rough_conductor,
@@ -7,21 +10,6 @@ use halflight_kernel::bsdf::{
 };
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
 use proptest::prelude::*;
-
-fn lobe(kind: u32, distribution: u32, alpha: Vec2, eta: f32) -> Lobe {
-    Lobe {
-        kind,
-        distribution,
-        flags: lobe_flag::FRONT | lobe_flag::BACK,
-        weight: 1.0,
-        specular_reflectance: Vec3::ONE,
-        specular_transmittance: Vec3::ONE,
-        eta: Vec3::splat(eta),
-        k: Vec3::splat(2.0),
-        alpha,
-        ..Lobe::NONE
-    }
-}
 
 fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Vec3 {
     match lobe.kind {
@@ -63,7 +51,7 @@ fn smooth_branches_add_up() {
     for kind in [lobe_kind::DIELECTRIC, lobe_kind::THIN_DIELECTRIC] {
         for eta in [1.0 / 1.5, 1.0, 1.33, 2.0] {
             for z in [-1.0_f32, -0.7, -0.1, 0.05, 0.5, 1.0] {
-                let l = lobe(kind, 0, Vec2::ONE, eta);
+                let l = specular(kind, 0, Vec2::ONE, eta);
                 let wi = direction(z, 1.0);
                 let r = sample(&l, wi, 0.0, Vec2::ZERO);
                 let t = sample(&l, wi, 0.999_999_9, Vec2::ZERO);
@@ -86,7 +74,7 @@ fn smooth_branches_add_up() {
 #[test]
 fn smooth_dielectric_scales_radiance_and_obeys_snell() {
     for (z, eta) in [(0.6_f32, 1.5_f32), (-0.9, 1.5), (0.4, 1.0 / 1.33)] {
-        let mut l = lobe(lobe_kind::DIELECTRIC, 0, Vec2::ONE, eta);
+        let mut l = specular(lobe_kind::DIELECTRIC, 0, Vec2::ONE, eta);
         let wi = direction(z, 0.3);
         let e = if z > 0.0 { eta } else { 1.0 / eta };
         let (_, cos_t) = fresnel::fresnel_dielectric(z, eta);
@@ -117,7 +105,7 @@ fn thin_slab_sums_its_internal_reflections() {
             inside *= r * r;
         }
         for side in [1.0, -1.0] {
-            let l = lobe(lobe_kind::THIN_DIELECTRIC, 0, Vec2::ONE, 1.5);
+            let l = specular(lobe_kind::THIN_DIELECTRIC, 0, Vec2::ONE, 1.5);
             let wi = direction(z as f32 * side, 0.0);
             let s = sample(&l, wi, 0.0, Vec2::ZERO);
             assert!(
@@ -139,7 +127,7 @@ fn no_boundary_passes_light() {
         lobe_kind::ROUGH_DIELECTRIC,
     ] {
         for z in [1.0, 0.3, -0.01, -0.9] {
-            let l = lobe(kind, distribution::GGX, Vec2::splat(0.3), 1.0);
+            let l = specular(kind, distribution::GGX, Vec2::splat(0.3), 1.0);
             let wi = direction(z, 2.0);
             for u in [0.0, 0.5, 0.999_999] {
                 let s = sample(&l, wi, u, Vec2::splat(u));
@@ -154,7 +142,7 @@ fn no_boundary_passes_light() {
 #[test]
 fn conductors_are_one_sided() {
     for kind in [lobe_kind::CONDUCTOR, lobe_kind::ROUGH_CONDUCTOR] {
-        let l = lobe(kind, distribution::GGX, Vec2::splat(0.3), 0.2);
+        let l = specular(kind, distribution::GGX, Vec2::splat(0.3), 0.2);
         let (up, down) = (direction(0.5, 0.0), direction(-0.5, 0.0));
         assert_eq!(sample(&l, down, 0.5, Vec2::splat(0.5)).pdf, 0.0);
         for (wi, wo) in [(up, down), (down, up), (down, down)] {
@@ -204,7 +192,7 @@ proptest! {
         v in prop_oneof![Just(0.0_f32), Just(0.999_999_94_f32), 0.0_f32..1.0],
         u1 in 0.0_f32..1.0,
     ) {
-        let mut l = lobe(kind, d, Vec2::new(10.0_f32.powf(alpha.0), 10.0_f32.powf(alpha.1)), eta);
+        let mut l = specular(kind, d, Vec2::new(10.0_f32.powf(alpha.0), 10.0_f32.powf(alpha.1)), eta);
         if all {
             l.flags |= lobe_flag::SAMPLE_ALL_NORMALS;
         }

@@ -88,11 +88,11 @@ impl Bytes<'_> {
         } else {
             NONE
         };
-        if self.byte() % 4 == 0 {
+        if self.byte().is_multiple_of(4) {
             l.frame = Frame::from_normal(self.direction());
             l.has_frame = true;
         }
-        if self.byte() % 2 == 0 {
+        if self.byte().is_multiple_of(2) {
             l.mode = mode::IMPORTANCE;
         }
         l

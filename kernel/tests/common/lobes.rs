@@ -34,6 +34,17 @@ pub fn white(kind: u32) -> Lobe {
     lobe
 }
 
+/// A white lobe of microfacets, or a smooth one that ignores them.
+pub fn specular(kind: u32, distribution: u32, alpha: Vec2, eta: f32) -> Lobe {
+    Lobe {
+        distribution,
+        eta: Vec3::splat(eta),
+        k: Vec3::splat(2.0),
+        alpha,
+        ..white(kind)
+    }
+}
+
 /// A lobe without a table.
 pub fn case(name: &str, lobe: Lobe) -> Case {
     Case {

@@ -9,6 +9,7 @@ pub mod coated;
 pub mod empty_tables;
 pub mod furnace;
 pub mod light_scene;
+pub mod lit_scenes;
 pub mod lobes;
 pub mod measured;
 pub mod oracle;

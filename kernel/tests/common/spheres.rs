@@ -1,7 +1,9 @@
 //! A scene of two spheres: enough for a walk.
 
+#[allow(clippy::duplicate_mod)] // Tests take this file with or without the others that need it.
 #[path = "brute_force.rs"]
 mod brute_force;
+#[allow(clippy::duplicate_mod)] // Tests take this file with or without the others that need it.
 #[path = "empty_tables.rs"]
 mod empty_tables;
 

@@ -106,12 +106,14 @@ macro_rules! solvers {
 
         let mut race = Race::new();
         race.add(50, || {
-            let (a, b, c, mut x) = black_box((&a, &b, &c, h));
+            let (a, b, c, h) = black_box((&a, &b, &c, &h));
+            let mut x = *h;
             block_elimination::solve(a, b, c, n, &mut x);
             x
         });
         race.add(50, || {
-            let (a, b, c, mut x) = black_box((&a, &b, &c, h));
+            let (a, b, c, h) = black_box((&a, &b, &c, &h));
+            let mut x = *h;
             let lu: BlockLu<K> = BlockLu::factor(a, b, c, n);
             lu.solve(&mut x);
             x
@@ -119,7 +121,9 @@ macro_rules! solvers {
         race.add(50, || {
             black_box(&dense).clone().lu().solve(black_box(&right))
         });
-        race.add(50, || black_box(fixed).lu().solve(black_box(&fixed_right)));
+        race.add(50, || {
+            (*black_box(&fixed)).lu().solve(black_box(&fixed_right))
+        });
         let t = race.run();
         println!(
             "| {K} | {:.1} | {:.1} | {:.1} | {:.0} | {:.0} | {:.1} | {:.1} | {:.1} |",

@@ -3,10 +3,11 @@
 //! `Vec4(m_00, m_10, m_01, m_11)` is the block of columns (x, y) and (z, w). Written with swizzles, a product is two
 //! multiplications and an addition of four lanes, which is what the solvers' chains of dependent products need:
 //!
-//! `M R = M.xyxy R.xxzz + M.zwzw R.yyww`, `adj(M) R = det(M) M^-1 R = M.wywy (R.xxzz * s) + M.zxzx (R.yyww * -s)`, s = (1, -1, 1, -1).
+//! `M R = M.xyxy R.xxzz + M.zwzw R.yyww`,
+//! `adj(M) R = det(M) M^-1 R = M.wywy (R.xxzz s) - M.zxzx (R.yyww s)`, `s = (1, -1, 1, -1)`.
 //!
-//! A block is refused as singular when it cannot be told from one ([`SINGULAR`]); anything between the range's ends
-//! ([`SMALLEST`], [`LARGEST`]) is inverted by Cramer's rule. Checked: inverses at any scale against f64, refusals.
+//! A block is refused as singular when it cannot be told from one ([`SINGULAR`]); all others with a largest element between
+//! 1e-15 and 1e15 are inverted by Cramer's rule. Checked: inverses at any scale against f64, refusals.
 
 use super::float::abs;
 use glam::{Mat2, Vec2, Vec4, Vec4Swizzles};

@@ -3,15 +3,14 @@
 mod common;
 
 use common::device;
-use halflight::aov::AovSet;
+use halflight::aov::{Aov, AovSet};
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
 use halflight::render::{Goal, RenderOptions, Sampling, ThreadSampling};
 use halflight::scene::build::Scene;
 use halflight_spirv::canary::loop_budget;
-use halflight_spirv::module;
 use halflight_spirv::sampling::{DeviceSampling, SamplingError};
-use halflight_spirv::vulkan::{Instance, Memory, VulkanError};
+use halflight_spirv::vulkan::{Device, Instance, Memory, VulkanError, choose};
 use std::path::Path;
 
 fn scene(name: &str, integrator: &str) -> Scene {
@@ -126,36 +125,100 @@ fn what_does_not_exist_or_fit_is_named_with_numbers() {
     assert!(matches!(error, VulkanError::TooLarge { .. }), "{error}");
 }
 
-/// The module declares nothing that the host does not enable: Shader (1) and VulkanMemoryModel (5345).
+/// Devices that lack something, in the words of the ones that there are.
 #[test]
-fn the_module_needs_what_the_host_enables() {
-    let words = module::words();
-    let known = [1, 5345];
+fn a_missing_feature_and_a_missing_device_are_named() {
+    assert_eq!(choose(&[], None).err(), Some(VulkanError::NoDevice));
+    let Some(device) = device() else { return };
+    let mut description = device.description().clone();
+    description.missing.push("the feature vulkanMemoryModel");
+    let error = choose(&[description], None).expect_err("a feature is missing");
+    let text = error.to_string();
     assert!(
-        module::capabilities(&words)
-            .iter()
-            .all(|c| known.contains(c))
+        matches!(error, VulkanError::MissingFeature { .. }),
+        "{text}"
     );
-    for entry in ["paths::scatter", "occlusion", "canary::canary"] {
-        assert!(
-            module::entry_points(&words).iter().any(|e| e == entry),
-            "{entry}"
-        );
-    }
+    assert!(text.contains("vulkanMemoryModel") && text.contains(&device.description().name));
 }
 
-/// Fails when the kernel or the shaders are newer than the module: run `render-spirv/build-shaders`.
+/// A device whose shaders see buffers of a few bytes only, and one without memory, refuse the scene with numbers.
 #[test]
-fn the_module_is_as_new_as_its_sources() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let sources = format!("{:016x}", module::source_hash(&root).expect("sources"));
-    assert_eq!(
-        module::stamp("sources"),
-        sources,
-        "stale module: run render-spirv/build-shaders"
-    );
-    assert_eq!(
-        module::stamp("module"),
-        format!("{:016x}", module::module_hash())
-    );
+fn scenes_beyond_a_devices_limits_are_refused_with_numbers() {
+    let Some(device) = device() else { return };
+    let scene = scene("cornell-box.xml", "ao");
+    let accel = build_accel(&scene);
+    let mut description = device.description().clone();
+    description.max_buffer = 64;
+    let small = Device::new(device.instance(), description).expect("a device");
+    let error = DeviceSampling::new(&small, &scene, &accel, &options(), false).err();
+    let Some(SamplingError::Device(VulkanError::TooLarge { bytes, limit, .. })) = error else {
+        panic!("{error:?}");
+    };
+    assert!(bytes > 64 && limit == 64);
+    let small = Device::new(device.instance(), device.description().clone()).expect("a device");
+    small.limit_memory(2000);
+    let error = DeviceSampling::new(&small, &scene, &accel, &options(), false).err();
+    let Some(SamplingError::Device(VulkanError::OutOfMemory { bytes, used, .. })) = error else {
+        panic!("{error:?}");
+    };
+    assert!(bytes + used > 2000 && used <= 2000, "{bytes} {used}");
+    // What had room before the failure is free again.
+    assert_eq!(small.memory_used(), 0);
+}
+
+/// The layers of the first surface: means of the same samples.
+#[test]
+fn surface_features_are_those_of_the_processor() {
+    let Some(device) = device() else { return };
+    let layers = [Aov::Albedo, Aov::Normal, Aov::Depth, Aov::Position, Aov::Uv];
+    let aovs = layers.into_iter().fold(AovSet::NONE, AovSet::with);
+    for name in ["cornell-box.xml", "material-ball.xml", "door-ajar.xml"] {
+        let scene = scene(name, "ao");
+        let accel = build_accel(&scene);
+        let options = options();
+        let mut on_device = Film::new(48, 48, [0, 0], aovs).expect("a film");
+        DeviceSampling::new(&device, &scene, &accel, &options, true)
+            .expect("a pipeline")
+            .pass(&mut on_device, 2, None)
+            .expect("a pass");
+        let mut on_cpu = Film::new(48, 48, [0, 0], aovs).expect("a film");
+        ThreadSampling {
+            scene: &scene,
+            accel: &accel,
+            options: &options,
+        }
+        .pass(&mut on_cpu, 2, None)
+        .expect("a pass");
+        for layer in layers {
+            let (mut difference, mut sum, mut outside) = (0.0, 0.0, 0);
+            for pixel in 0..48 * 48 {
+                let mut is_outside = false;
+                for channel in 0..layer.channels().len() {
+                    let a = on_device.aov_mean(layer, channel, pixel);
+                    let b = on_cpu.aov_mean(layer, channel, pixel);
+                    difference += (a - b).abs();
+                    sum += b.abs();
+                    is_outside |= (a - b).abs() > 0.01 * b.abs().max(1e-3);
+                }
+                outside += usize::from(is_outside);
+            }
+            assert!(sum > 0.0, "{name}: {} is zero", layer.name());
+            println!(
+                "{name} {}: {:.1e}, {outside} pixels",
+                layer.name(),
+                difference / sum
+            );
+            assert!(
+                difference <= 1e-3 * sum,
+                "{name} {}: {}",
+                layer.name(),
+                difference / sum
+            );
+            assert!(
+                outside * 100 <= 48 * 48,
+                "{name} {}: {outside} pixels",
+                layer.name()
+            );
+        }
+    }
 }

@@ -3,10 +3,17 @@
 use super::{DeviceArgs, check_validation};
 use crate::sampling::DeviceSampling;
 use clap::Args;
+use halflight::accel::Accel;
 use halflight::aov::AovSet;
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
 use halflight::render::{Goal, RenderOptions, Sampling, ThreadSampling};
+use halflight::scene::build::Scene;
+use halflight_kernel::math::Ray;
+use halflight_kernel::sampler::AnySampler;
+use halflight_kernel::scene::{Hit, SceneView, Traverse};
+use halflight_kernel::transport;
+use std::cell::Cell;
 use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -61,23 +68,76 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         accel: &accel,
         options: &options,
     })?;
+    let rays = rays_per_sample(&scene, &accel);
     let name = &device.description().name;
     println!("{}", args.scene.scene.display());
     println!(
         "  {width} x {height}, {} triangles",
         scene.tables.triangles.len()
     );
+    println!("  {rays:.2} rays per sample");
     println!(
-        "  {name}: {:.3} Msamples/s, {:.1} MiB of scene, ready in {ready:.2} s",
+        "  {name}: {:.3} Msamples/s, {:.2} Mrays/s, {:.1} MiB of which {:.1} are the scene, ready in {ready:.2} s",
         on_device * 1e-6,
-        sampling.scene_bytes() as f64 / f64::from(1 << 20)
+        on_device * rays * 1e-6,
+        mebibytes(device.peak_memory_used()),
+        mebibytes(sampling.scene_bytes())
     );
     println!(
-        "  processor, {} threads: {:.3} Msamples/s",
+        "  processor, {} threads: {:.3} Msamples/s, {:.2} Mrays/s",
         rayon::current_num_threads(),
-        on_cpu * 1e-6
+        on_cpu * 1e-6,
+        on_cpu * rays * 1e-6
     );
     println!("  ratio {:.2}", on_device / on_cpu);
     check_validation(&device)?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn mebibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 20)
+}
+
+/// Rays of a mean sample, counted on the processor: the device takes the same paths.
+fn rays_per_sample(scene: &Scene, accel: &Accel) -> f64 {
+    let tables = scene.tables.view();
+    let count = Counted {
+        traverse: accel.traverse(tables),
+        rays: Cell::new(0),
+    };
+    let view = SceneView {
+        tables,
+        traverse: &count,
+    };
+    let [width, height] = scene.tables.camera.crop_size;
+    let [left, top] = scene.tables.camera.crop_offset;
+    // Some ten thousand pixels are enough for three digits.
+    let step = (f64::from(width) * f64::from(height) / 1e4).sqrt().max(1.0) as usize;
+    let mut samples = 0;
+    for y in (0..height).step_by(step) {
+        for x in (0..width).step_by(step) {
+            let mut sampler = AnySampler::new(scene.sampler, 0, y * width + x, 0);
+            transport::sample_pixel(&view, &scene.settings, &mut sampler, [left + x, top + y]);
+            samples += 1;
+        }
+    }
+    count.rays.get() as f64 / f64::from(samples.max(1))
+}
+
+/// A ray tracer that counts.
+struct Counted<T> {
+    traverse: T,
+    rays: Cell<u64>,
+}
+
+impl<T: Traverse> Traverse for Counted<T> {
+    fn closest_hit(&self, ray: &Ray) -> Hit {
+        self.rays.set(self.rays.get() + 1);
+        self.traverse.closest_hit(ray)
+    }
+
+    fn is_occluded(&self, ray: &Ray) -> bool {
+        self.rays.set(self.rays.get() + 1);
+        self.traverse.is_occluded(ray)
+    }
 }

@@ -20,6 +20,9 @@ pub struct GpuRenderArgs {
     /// Behave as if the device were lost after N samples per pixel, to see what is kept.
     #[arg(long, value_name = "N", hide = true)]
     pub simulate_device_loss: Option<u32>,
+    /// Behave as if the device had so many bytes of memory.
+    #[arg(long, value_name = "BYTES", hide = true)]
+    pub simulate_memory: Option<u64>,
 }
 
 /// Runs the command.
@@ -29,6 +32,9 @@ pub struct GpuRenderArgs {
 pub fn run(args: &GpuRenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     // Before the scene is read, which may take a while.
     let device = args.device.open()?;
+    if let Some(bytes) = args.simulate_memory {
+        device.limit_memory(bytes);
+    }
     let code = run_with(&args.render, quiet, |job, film, state, stop, observer| {
         let mut sampling = DeviceSampling::new(
             &device,

@@ -29,7 +29,7 @@ pub enum VulkanError {
     },
     /// The validation layer is not installed.
     #[error(
-        "the validation layer VK_LAYER_KHRONOS_validation is not installed; leave out --validate"
+        "the validation layer VK_LAYER_KHRONOS_validation is not installed (Debian: vulkan-validationlayers); leave out --validate"
     )]
     NoValidation,
     /// A buffer is larger than a shader may see.

@@ -148,27 +148,7 @@ impl Instance {
     /// # Errors
     /// If none fits, or it lacks what the shaders need.
     pub fn select(&self, wanted: Option<&str>) -> Result<DeviceDescription, VulkanError> {
-        let devices = self.devices()?;
-        let best = devices.first().ok_or(VulkanError::NoDevice)?;
-        let device = match wanted {
-            None => best,
-            Some(wanted) => find(&devices, wanted).ok_or_else(|| VulkanError::UnknownDevice {
-                wanted: wanted.to_string(),
-                known: devices
-                    .iter()
-                    .enumerate()
-                    .map(|(i, d)| format!("{i} {}", d.name))
-                    .collect::<Vec<_>>()
-                    .join(", "),
-            })?,
-        };
-        if let Some(feature) = device.missing.first() {
-            return Err(VulkanError::MissingFeature {
-                device: device.name.clone(),
-                feature: (*feature).to_string(),
-            });
-        }
-        Ok(device.clone())
+        choose(&self.devices()?, wanted).cloned()
     }
 
     fn describe(&self, handle: vk::PhysicalDevice) -> DeviceDescription {
@@ -245,6 +225,36 @@ impl Instance {
             queue_family: family.unwrap_or(0) as u32,
             robust,
         }
+    }
+}
+
+/// The device of that number or name in a list, or the first.
+///
+/// # Errors
+/// If none fits, or it lacks what the shaders need.
+pub fn choose<'a>(
+    devices: &'a [DeviceDescription],
+    wanted: Option<&str>,
+) -> Result<&'a DeviceDescription, VulkanError> {
+    let best = devices.first().ok_or(VulkanError::NoDevice)?;
+    let device = match wanted {
+        None => best,
+        Some(wanted) => find(devices, wanted).ok_or_else(|| VulkanError::UnknownDevice {
+            wanted: wanted.to_string(),
+            known: devices
+                .iter()
+                .enumerate()
+                .map(|(i, d)| format!("{i} {}", d.name))
+                .collect::<Vec<_>>()
+                .join(", "),
+        })?,
+    };
+    match device.missing.first() {
+        None => Ok(device),
+        Some(feature) => Err(VulkanError::MissingFeature {
+            device: device.name.clone(),
+            feature: (*feature).to_string(),
+        }),
     }
 }
 

@@ -13,7 +13,7 @@ mod submission;
 
 pub use device::Device;
 pub use error::VulkanError;
-pub use instance::{DeviceDescription, DeviceKind, Instance};
+pub use instance::{DeviceDescription, DeviceKind, Instance, choose};
 pub use memory::{Buffer, Memory};
 pub use pipeline::Pipeline;
 pub(crate) use pipeline::dispatch_in_order;

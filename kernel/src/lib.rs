@@ -47,3 +47,6 @@ pub mod regularize;
 pub mod sampler;
 pub mod scene;
 pub mod transport;
+
+/// Vectors and matrices in the release that this crate was built with, for callers that need the same types.
+pub use glam;

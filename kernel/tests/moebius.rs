@@ -227,6 +227,27 @@ fn exponent_has_the_asked_variance() {
     assert!(exponent_of_deviation(0.0).is_finite());
 }
 
+/// The narrowest lobes, whose polar cosine differs from one by less than a rounding, still have their variance: the mean of
+/// 1 - cos over a stratified `u`. (A power for the cosine made all of their samples the centre.)
+#[test]
+fn samples_of_narrow_lobes_have_their_variance() {
+    for deviation in [1e-6f32, 1e-5, 3e-4, 1e-2] {
+        let lobe = DiskLobe {
+            center: Vec2::ZERO,
+            axis: Vec2::X,
+            exponent: Vec2::splat(exponent_of_deviation(deviation)),
+        };
+        let n = 4096;
+        let mut sum = 0.0;
+        for i in 0..n {
+            let z = lobe.sample(Vec2::new(0.3, (i as f32 + 0.5) / n as f32));
+            sum += f64::from(z.length_squared()) / f64::from(n);
+        }
+        let ratio = 0.5 * sum / f64::from(deviation).powi(2);
+        assert!((ratio - 1.0).abs() < 2e-3, "{deviation}: {ratio}");
+    }
+}
+
 #[test]
 fn slope_gaussians_integrate_to_one_and_match_their_samples() {
     let gaussian = SlopeGaussian {

@@ -209,3 +209,39 @@ fn diffracting_conductors_are_total() {
         }
     }
 }
+
+/// Nearly opposite directions in the horizon, whose half vector is made of rounding errors: where a lobe has a value it has a
+/// density, or a sample there would weigh as much as `f32` holds.
+#[test]
+fn opposite_directions_in_the_horizon_have_both_value_and_density() {
+    let mut random = common::Random(11);
+    let mut degenerate = 0;
+    for i in 0..200_000 {
+        let mut l = match i % 3 {
+            0 => conductor(lobe_kind::ROUGH_CONDUCTOR),
+            1 => white(lobe_kind::ROUGH_COAT),
+            _ => white(lobe_kind::ROUGH_PLASTIC),
+        };
+        l.distribution = i % 4;
+        l.alpha = Vec2::splat(10f32.powf(-2.0 * random.next_1d()));
+        let height = |random: &mut common::Random| 10f32.powf(-3.0 - 5.0 * random.next_1d());
+        let phi = TAU * random.next_1d();
+        let wi = Vec3::new(phi.cos(), phi.sin(), height(&mut random)).normalize();
+        let away = random.direction() * 10f32.powf(-6.0 - 2.0 * random.next_1d());
+        let wo = Vec3::new(-wi.x + away.x, -wi.y + away.y, height(&mut random)).normalize();
+        let (f, pdf) = lobe::eval_cosine_pdf(&l, &[], wi, wo);
+        degenerate += u32::from((wi + wo).normalize_or_zero().dot(wi) <= 0.0);
+        assert!(f.is_finite() && pdf.is_finite());
+        // Plastic has its base's density everywhere: what the coating adds must not dwarf it.
+        let weight = if pdf > 0.0 {
+            f.max_element() / pdf
+        } else {
+            0.0
+        };
+        assert!(
+            weight < 100.0 && (f == Vec3::ZERO || pdf > 0.0),
+            "{l:?} {wi} {wo}: {f} {pdf}"
+        );
+    }
+    assert!(degenerate > 100, "{degenerate}");
+}

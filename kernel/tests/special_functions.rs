@@ -1,6 +1,6 @@
 //! The error function and its relatives, arc tangents and roundings against libm's `f64` ones.
 
-use halflight_kernel::math::float::{atan2, erf, erf_inv, erfc_scaled, floor};
+use halflight_kernel::math::float::{atan2, erf, erf_inv, erfc_scaled, exp_m1, floor, ln_1p};
 
 #[test]
 fn erf_is_accurate() {
@@ -13,6 +13,25 @@ fn erf_is_accurate() {
     }
     // Arguments beyond the exponential's range.
     assert_eq!((erf(1e30), erf(-1e30)), (1.0, -1.0));
+}
+
+#[test]
+fn differences_from_one_are_accurate() {
+    for exponent in -300..=180 {
+        let magnitude = 10f32.powf(exponent as f32 * 0.01);
+        for x in [magnitude, -magnitude] {
+            let want = libm::expm1(f64::from(x));
+            let error = (f64::from(exp_m1(x)) - want).abs();
+            assert!(error <= 3e-7 * want.abs(), "exp_m1({x}): {error:e}");
+            if x > -1.0 {
+                let want = libm::log1p(f64::from(x));
+                let error = (f64::from(ln_1p(x)) - want).abs();
+                assert!(error <= 3e-7 * want.abs(), "ln_1p({x}): {error:e}");
+            }
+        }
+    }
+    assert_eq!((exp_m1(0.0), ln_1p(0.0)), (0.0, 0.0));
+    assert_eq!((exp_m1(1e-30), ln_1p(1e-30)), (1e-30, 1e-30));
 }
 
 #[test]

@@ -1,21 +1,18 @@
-//! Writes the stamp of the module: the last step of `render-spirv/build-shaders`.
-//!
-//! The module's bytes are read from the file, not from this program, which may hold older ones.
+//! Writes the stamp of a module: the last step of `render-spirv/build-shaders`, with the module's name and the compiler's.
 
-use halflight_spirv::module::{bytes_hash, source_hash};
+use halflight_spirv::module::MODULES;
 use std::error::Error;
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let compiler = std::env::args().nth(1).unwrap_or_default();
-    let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let root = crate_root.join("..");
-    let module = std::fs::read(crate_root.join("spirv/halflight.spv"))?;
-    let stamp = format!(
-        "sources {:016x}\ncompiler {compiler}\nmodule {:016x}\n",
-        source_hash(&root)?,
-        bytes_hash(&module)
-    );
-    std::fs::write(crate_root.join("spirv/halflight.stamp"), stamp)?;
+    let mut arguments = std::env::args().skip(1);
+    let name = arguments.next().unwrap_or_default();
+    let compiler = arguments.next().unwrap_or_default();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let module = MODULES
+        .iter()
+        .find(|m| m.name == name)
+        .ok_or_else(|| format!("there is no module \"{name}\""))?;
+    std::fs::write(module.stamp_path(&root), module.stamp(&root, &compiler)?)?;
     Ok(())
 }

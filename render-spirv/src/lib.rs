@@ -7,9 +7,10 @@
 //! sends another way.
 //!
 //! # Modules
-//! `render-spirv/spirv/halflight.spv` is committed, so that building this crate needs no shader compiler. It carries a
-//! stamp of the sources it was made from ([`module`]); a test fails when it is older than they are.
-//! `render-spirv/build-shaders` makes it anew:
+//! The modules in `render-spirv/spirv` are committed, so that building this crate needs no shader compiler: that of
+//! rendering, one with [`probe`]s of single functions for tests, and that of the example for readers' own shaders
+//! (`render-spirv/examples/shader`). Each carries a stamp of the sources it was made from ([`module`]); a test fails when
+//! one is older than they are. `render-spirv/build-shaders` makes them anew:
 //!
 //! - with the rustc 1.95 toolchain of this project: `HALFLIGHT_SPIRV_TOOLCHAIN=DIR render-spirv/build-shaders`, DIR
 //!   holding `bin/spirv-build`;
@@ -35,6 +36,8 @@ pub mod canary;
 pub mod commands;
 pub mod interface;
 pub mod module;
+pub mod probe;
+pub mod probing;
 pub mod sampling;
 pub mod scene_buffers;
 pub mod stages;

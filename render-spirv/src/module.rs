@@ -1,25 +1,92 @@
-//! The committed SPIR-V module and the stamp that says what it was made from.
+//! The committed SPIR-V modules and the stamps that say what they were made from.
 //!
-//! The stamp is a text of three lines: a hash over the names and bytes of every source file that the shader compiler
-//! reads (FNV-1a, 64 bits), the compiler's version, and a hash of the module itself. [`source_hash`] is what
-//! `build-shaders` writes and what the test recomputes.
+//! | module | what for |
+//! |---|---|
+//! | `halflight` | rendering; part of the program |
+//! | `probes` | what tests run to compare functions and layouts |
+//! | `example` | the shader of `render-spirv/examples/shader` |
+//!
+//! A stamp is a text of three lines: a hash over the names and bytes of every source file that the shader compiler
+//! reads (FNV-1a, 64 bits), the compiler's version, and a hash of the module itself. [`Committed::stamp`] is what
+//! `build-shaders` writes and what a test recomputes.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The module, as committed.
+/// The module of rendering, as committed.
 const BYTES: &[u8] = include_bytes!("../spirv/halflight.spv");
 
-/// What it was made from.
-pub const STAMP: &str = include_str!("../spirv/halflight.stamp");
+/// A committed module.
+#[derive(Clone, Copy, Debug)]
+pub struct Committed {
+    /// Its name: `spirv/NAME.spv` and `spirv/NAME.stamp`.
+    pub name: &'static str,
+    /// Files and folders that it is made from beside the kernel, below the workspace's folder.
+    sources: &'static [&'static str],
+}
 
-/// The words of the module.
-pub fn words() -> Vec<u32> {
-    // The file need not be aligned in memory, and SPIR-V files are little-endian here.
-    BYTES
+/// What all modules are made from.
+const KERNEL: [&str; 2] = ["kernel/Cargo.toml", "kernel/src"];
+
+/// All modules.
+pub const MODULES: [Committed; 3] = [
+    Committed {
+        name: "halflight",
+        sources: &["render-spirv/shaders", "render-spirv/src/interface.rs"],
+    },
+    Committed {
+        name: "probes",
+        sources: &[
+            "render-spirv/shaders",
+            "render-spirv/src/interface.rs",
+            "render-spirv/src/probe",
+        ],
+    },
+    Committed {
+        name: "example",
+        sources: &["render-spirv/examples/shader"],
+    },
+];
+
+impl Committed {
+    /// The module's file below the workspace's folder.
+    pub fn path(&self, root: &Path) -> PathBuf {
+        root.join("render-spirv/spirv")
+            .join(self.name)
+            .with_extension("spv")
+    }
+
+    /// The stamp's file.
+    pub fn stamp_path(&self, root: &Path) -> PathBuf {
+        self.path(root).with_extension("stamp")
+    }
+
+    /// The stamp that belongs to the sources and the module as they are, compiled by `compiler`.
+    ///
+    /// # Errors
+    /// If a file cannot be read.
+    pub fn stamp(&self, root: &Path, compiler: &str) -> io::Result<String> {
+        let module = std::fs::read(self.path(root))?;
+        Ok(format!(
+            "sources {:016x}\ncompiler {compiler}\nmodule {:016x}\n",
+            source_hash(root, &[&KERNEL, self.sources].concat())?,
+            fnv(FNV, &module)
+        ))
+    }
+}
+
+/// The words of a module's bytes.
+pub fn words_of(bytes: &[u8]) -> Vec<u32> {
+    // A file need not be aligned in memory, and SPIR-V files are little-endian here.
+    bytes
         .chunks_exact(4)
         .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
         .collect()
+}
+
+/// The words of the module of rendering.
+pub fn words() -> Vec<u32> {
+    words_of(BYTES)
 }
 
 /// The capabilities that the module declares (`OpCapability`), by number.
@@ -53,24 +120,6 @@ fn fnv(hash: u64, bytes: &[u8]) -> u64 {
 /// The start of [`fnv`].
 const FNV: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// A hash of bytes, as in the stamp.
-pub fn bytes_hash(bytes: &[u8]) -> u64 {
-    fnv(FNV, bytes)
-}
-
-/// The hash of the committed module.
-pub fn module_hash() -> u64 {
-    bytes_hash(BYTES)
-}
-
-/// A line of the stamp: `sources`, `compiler` or `module`.
-pub fn stamp(line: &str) -> &'static str {
-    STAMP
-        .lines()
-        .find_map(|l| l.strip_prefix(line)?.strip_prefix(' '))
-        .unwrap_or("")
-}
-
 /// The names of the module's entry points (`OpEntryPoint`).
 pub fn entry_points(words: &[u32]) -> Vec<String> {
     const OP_ENTRY_POINT: u32 = 15;
@@ -84,20 +133,13 @@ pub fn entry_points(words: &[u32]) -> Vec<String> {
         .collect()
 }
 
-/// A hash of everything that the module is made from, below the workspace's folder `root`: the kernel's and the shaders'
-/// sources and manifests, and the files that the shaders share with the host. Line ends do not count.
-///
-/// # Errors
-/// If a file cannot be read.
-pub fn source_hash(root: &Path) -> io::Result<u64> {
-    let mut files = vec![
-        root.join("kernel/Cargo.toml"),
-        root.join("render-spirv/shaders/Cargo.toml"),
-        root.join("render-spirv/shaders/Cargo.lock"),
-        root.join("render-spirv/src/interface.rs"),
-    ];
-    collect(&root.join("kernel/src"), &mut files)?;
-    collect(&root.join("render-spirv/shaders/src"), &mut files)?;
+/// A hash of the names and bytes of files and of all Rust files and manifests in folders, below the workspace's folder
+/// `root`. Line ends do not count.
+fn source_hash(root: &Path, sources: &[&str]) -> io::Result<u64> {
+    let mut files = Vec::new();
+    for source in sources {
+        collect(&root.join(source), &mut files)?;
+    }
     // The order of reading a folder is the file system's.
     files.sort();
     let mut hash = FNV;
@@ -114,14 +156,20 @@ pub fn source_hash(root: &Path) -> io::Result<u64> {
     Ok(hash)
 }
 
-/// All Rust files of a folder.
-fn collect(folder: &Path, files: &mut Vec<std::path::PathBuf>) -> io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
+/// A file, or all sources and manifests of a folder.
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    if !path.is_dir() {
+        files.push(path.to_path_buf());
+        return Ok(());
+    }
+    for entry in std::fs::read_dir(path)? {
         let path = entry?.path();
-        if path.is_dir() {
+        let is_source = path
+            .extension()
+            .is_some_and(|e| e == "rs" || e == "toml" || e == "lock");
+        // What a build leaves behind is no source.
+        if (path.is_dir() && !path.ends_with("target")) || is_source {
             collect(&path, files)?;
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            files.push(path);
         }
     }
     Ok(())

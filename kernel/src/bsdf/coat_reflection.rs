@@ -22,12 +22,14 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     let h = half_vector(wi, wo);
     let facets = lobe.microfacets();
     let d = facets.distribution(h);
-    if d <= 0.0 {
+    let cos_h = wi.dot(h);
+    // Opposite directions in the horizon have a half vector of rounding errors, and no density.
+    if d <= 0.0 || cos_h <= 0.0 {
         return Vec3::ZERO;
     }
     // G1(w) / cos as one over the projected area, which has no pole at grazing angles.
     let area = facets.projected_area(wi) * facets.projected_area(wo);
-    let reflected = fresnel_dielectric(wi.dot(h), lobe.eta.x).0;
+    let reflected = fresnel_dielectric(cos_h, lobe.eta.x).0;
     lobe.specular_reflectance * (0.25 * reflected * d / area)
 }
 

@@ -20,10 +20,15 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
         return Rgb::ZERO;
     }
     let m = (wi + wo).normalize_or_zero();
+    let cos_i = wi.dot(m);
+    // Opposite directions in the horizon have a half vector of rounding errors, and no density.
+    if cos_i <= 0.0 {
+        return Rgb::ZERO;
+    }
     let facets = lobe.microfacets();
     let area = facets.projected_area(wi) * facets.projected_area(wo);
     let f = 0.25 * facets.distribution(m) / area;
-    lobe.specular_reflectance * fresnel_conductor(wi.dot(m), lobe.eta, lobe.k) * f
+    lobe.specular_reflectance * fresnel_conductor(cos_i, lobe.eta, lobe.k) * f
 }
 
 /// Density of [`sample`] per solid angle.

@@ -154,6 +154,32 @@ pub fn is_finite(x: f32) -> bool {
     abs(x) <= f32::MAX
 }
 
+/// `exp(x) - 1` without its cancellation near zero, for `x <= 80`; relative error below 3e-7.
+///
+/// A polynomial of Taylor coefficients below 0.35, where the next term is the error.
+#[cfg_attr(not(target_arch = "spirv"), inline)]
+pub fn exp_m1(x: f32) -> f32 {
+    if abs(x) < 0.35 {
+        x * polynomial!(x; 1.0, 0.5, 0.166_666_67, 0.041_666_667, 0.008_333_333_5, 0.001_388_888_9, 0.000_198_412_7)
+    } else {
+        exp(x) - 1.0
+    }
+}
+
+/// `ln(1 + x)` without its cancellation near zero, for `x > -1`; relative error below 3e-7.
+///
+/// `2 artanh(s)` with `s = x / (2 + x)` below 0.35; the logarithm of a device is exact only away from one.
+#[cfg_attr(not(target_arch = "spirv"), inline)]
+pub fn ln_1p(x: f32) -> f32 {
+    if abs(x) < 0.35 {
+        let s = x / (2.0 + x);
+        2.0 * s
+            * polynomial!(s * s; 1.0, 0.333_333_34, 0.2, 0.142_857_15, 0.111_111_11, 0.090_909_09)
+    } else {
+        ln(1.0 + x)
+    }
+}
+
 /// Error function, `2 / sqrt(pi)` times the integral of `exp(-t^2)` from 0 to `x`; relative error below 3e-7.
 ///
 /// Odd polynomial below 1, complement of [`erfc_scaled`] above. Coefficients: truncated Chebyshev series.

@@ -10,7 +10,7 @@
 //! to one, chi-square of samples.
 
 use super::disk_lobe::{turn, turn_back};
-use super::float::{exp, ln, safe_sqrt, sin_cos};
+use super::float::{exp, ln_1p, safe_sqrt, sin_cos};
 use core::f32::consts::TAU;
 use glam::Vec2;
 
@@ -32,7 +32,7 @@ impl SlopeGaussian {
     /// A sample for `u` in [0, 1)^2.
     #[inline]
     pub fn sample(&self, u: Vec2) -> Vec2 {
-        let r = safe_sqrt(-2.0 * ln((1.0 - u.x).max(f32::MIN_POSITIVE)));
+        let r = safe_sqrt(-2.0 * ln_1p(-u.x.min(0.999_999_94)));
         let (s, c) = sin_cos(TAU * u.y);
         self.center
             + turn(

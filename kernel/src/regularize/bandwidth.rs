@@ -18,7 +18,7 @@
 //! the rate of a simulated estimator, tau_1 = tau_0, tau_N ~ tau_0 N^(1/3), agreement with equation 16 in double
 //! precision.
 
-use crate::math::float::{exp, ln, pow, safe_sqrt, sqrt};
+use crate::math::float::{exp, ln_1p, pow, safe_sqrt, sqrt};
 use core::f32::consts::PI;
 
 /// Largest threshold: a roughness that `f32` directions resolve stays below it. It means "not regularised".
@@ -55,12 +55,7 @@ pub fn power_law(initial: f32, n: u32, lambda: f32) -> f32 {
 #[inline]
 pub fn geometric(initial: f32, one_minus_gamma: f32, n: u32) -> f32 {
     let g = one_minus_gamma.max(0.0).min(0.999_999);
-    // ln(1 - g); the series where the difference would round.
-    let log = if g < 1e-2 {
-        -g * (1.0 + g * (0.5 + g * (1.0 / 3.0 + g * 0.25)))
-    } else {
-        ln(1.0 - g)
-    };
+    let log = ln_1p(-g);
     initial * exp(log * n as f32)
 }
 

@@ -5,15 +5,27 @@
 //! once per scene, 18 the work items, 19 the results, 20 the paths of `halflight_kernel::transport::staged`.
 #![cfg_attr(target_arch = "spirv", no_std)]
 
-pub mod canary;
 #[path = "../../src/interface.rs"]
 pub mod interface;
+// Either what renders, or what tests run: two modules, because drivers read a module as a whole for each of its entry points.
+#[cfg(not(feature = "probes"))]
+pub mod canary;
+#[cfg(not(feature = "probes"))]
 pub mod paths;
+#[cfg(feature = "probes")]
+pub mod probe;
+#[cfg(feature = "probes")]
+#[path = "../../src/probe/mod.rs"]
+pub mod probes;
+#[cfg(not(feature = "probes"))]
 pub mod scene_entry;
 
+#[cfg(not(feature = "probes"))]
 use halflight_kernel::transport::{self, ambient_occlusion, aov};
+#[cfg(not(feature = "probes"))]
 use scene_entry::{scene_entry, vector};
 
+#[cfg(not(feature = "probes"))]
 scene_entry!(occlusion, |view, settings, work, out[slot], paths[path]| {
     let (mut sampler, pixel) = work();
     let radiance = transport::sample_pixel_with(&view, &mut sampler, pixel, |sampler, ray| {
@@ -22,6 +34,7 @@ scene_entry!(occlusion, |view, settings, work, out[slot], paths[path]| {
     out[slot] = vector(radiance, 0.0);
 });
 
+#[cfg(not(feature = "probes"))]
 scene_entry!(surface_features, |view,
                                 settings,
                                 work,

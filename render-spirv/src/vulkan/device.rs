@@ -1,7 +1,7 @@
 //! A logical device with one compute queue.
 //!
 //! What it can do is said beside what it is done to: buffers in [`super::memory`], entry points in [`super::pipeline`],
-//! work in [`super::submission`].
+//! work in `submission`.
 
 use super::error::{VulkanError, call};
 use super::instance::{DeviceDescription, Instance};

@@ -106,11 +106,16 @@ impl Device {
                         .set_layouts(&set_layouts),
                 )
                 .map_err(call("vkAllocateDescriptorSets"))?[0];
-            let ranges = [vk::PushConstantRange {
+            let range = vk::PushConstantRange {
                 stage_flags: vk::ShaderStageFlags::COMPUTE,
                 offset: 0,
                 size: push_constant_size,
-            }];
+            };
+            // An empty range is not allowed.
+            let ranges: Vec<_> = (push_constant_size > 0)
+                .then_some(range)
+                .into_iter()
+                .collect();
             pipeline.layout = self
                 .raw
                 .create_pipeline_layout(

@@ -5,7 +5,9 @@
 //! error is up to 0.4 %: the fit breaks the identity of the projected area by as much, and with it the density of
 //! visible normals. The callers in [`super`] clamp `alpha`, check sides, and stretch to unit roughness.
 
-use crate::math::float::{abs, erf_inv, erfc_scaled, exp, ln, safe_sqrt, sin_cos, sqr, sqrt};
+use crate::math::float::{
+    abs, erf_inv, erfc_scaled, exp, ln, ln_1p, safe_sqrt, sin_cos, sqr, sqrt,
+};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
@@ -100,7 +102,6 @@ fn visible_slope(u: f32, gaussian: f32, cos: f32, sin: f32) -> f32 {
 #[inline]
 pub fn sample_slope(u: Vec2) -> Vec2 {
     let (sin_phi, cos_phi) = sin_cos(2.0 * PI * u.x);
-    let q = (1.0 - u.y).max(6e-8);
-    let r = sqrt(-ln(q));
+    let r = sqrt(-ln_1p(-u.y.min(0.999_999_94)));
     Vec2::new(r * cos_phi, r * sin_phi)
 }

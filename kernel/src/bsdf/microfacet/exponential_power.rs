@@ -63,12 +63,13 @@ pub fn sample_slope(exponent: f32, u: Vec2) -> Vec2 {
 }
 
 /// `-2 t / (d ln P / dt)`: `beta^(2 p) t^(2 - 2 p) / p` (`inverse` is `1 / beta^2` along the azimuth, `t2` the squared
-/// slope). At `t = 0` it vanishes for `p < 1` and has a pole for `p > 1`; both are cut off at a slope of `beta / 1000`.
+/// slope). At `t = 0` it vanishes for `p < 1` and has a pole for `p > 1`; both are cut off at a slope of `beta / 1000`. At
+/// least 1e-28, which keeps derivatives finite up to slopes of 1e9.
 #[inline]
 pub fn local_alpha_squared(inverse: f32, t2: f32, exponent: f32) -> f32 {
     let p = clamp_exponent(exponent);
     let s2 = (t2 * inverse).max(1e-6);
-    pow(s2, 1.0 - p) / (p * inverse)
+    (pow(s2, 1.0 - p) / (p * inverse)).max(1e-28)
 }
 
 /// Largest relative error of [`projected_area`] (against quadrature in f64).

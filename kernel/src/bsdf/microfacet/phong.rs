@@ -11,7 +11,7 @@
 //! at 1 (tested). Their values are those of other renderers; who wants conservation takes another distribution.
 //! `alpha` is at most 1: beyond, the density grows towards the horizon without bound.
 
-use crate::math::float::{exp, ln, safe_sqrt, sin_cos, sqrt};
+use crate::math::float::{exp, ln, ln_1p, safe_sqrt, sin_cos, sqrt};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
@@ -65,9 +65,8 @@ fn ln_1m(x: f32) -> f32 {
 /// The slope at the quantile `u` for `n + 2`.
 #[inline]
 fn slope_of(n_plus_two: f32, u: f32) -> f32 {
-    // cos = q^(1 / (n + 2)), tan^2 = cos^-2 - 1, both by the logarithm of q.
-    let q = (1.0 - u).max(6e-8);
-    let x = -2.0 * ln(q) / n_plus_two;
+    // q = 1 - u, cos = q^(1 / (n + 2)), tan^2 = cos^-2 - 1, both by the logarithm of q.
+    let x = -2.0 * ln_1p(-u.min(0.999_999_94)) / n_plus_two;
     // exp(x) - 1 without cancellation for narrow lobes.
     let tan2 = if x < 0.05 {
         x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0))))

@@ -1,0 +1,132 @@
+//! The committed modules: as new as their sources, valid, and no more demanding than the host provides.
+
+use halflight_spirv::module::{self, MODULES};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Fails when the kernel or the shaders are newer than a module: run `render-spirv/build-shaders`.
+#[test]
+fn modules_are_as_new_as_their_sources() {
+    for m in MODULES {
+        let stamp = std::fs::read_to_string(m.stamp_path(&root())).expect("a stamp");
+        let compiler = stamp
+            .lines()
+            .find_map(|l| l.strip_prefix("compiler "))
+            .expect("a compiler");
+        let expected = m.stamp(&root(), compiler).expect("sources");
+        assert_eq!(
+            stamp.lines().collect::<Vec<_>>(),
+            expected.lines().collect::<Vec<_>>(),
+            "stale module {}: run render-spirv/build-shaders",
+            m.name
+        );
+    }
+}
+
+/// A module is stale as soon as a byte of its sources or of itself changes, and not when a line ends differently.
+#[test]
+fn stamps_notice_changes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, text).expect("a file");
+    };
+    write("kernel/Cargo.toml", "[package]");
+    write("kernel/src/lib.rs", "fn f() {}\n");
+    write("render-spirv/examples/shader/src/lib.rs", "fn g() {}\n");
+    write("render-spirv/spirv/example.spv", "module");
+    let example = MODULES[2];
+    let stamp = || example.stamp(folder.path(), "a compiler").expect("a stamp");
+    let first = stamp();
+    write("kernel/src/lib.rs", "fn f() {}\r\n");
+    assert_eq!(stamp(), first);
+    write("kernel/src/lib.rs", "fn f() { }\n");
+    let second = stamp();
+    assert_ne!(second, first);
+    write("render-spirv/examples/shader/src/more.rs", "");
+    let third = stamp();
+    assert_ne!(third, second);
+    write("render-spirv/spirv/example.spv", "another");
+    assert_ne!(stamp(), third);
+}
+
+/// Modules are valid for Vulkan 1.2. Records are packed tightly, but hold nothing but words, so that the layout of storage
+/// buffers needs no extension.
+#[test]
+fn modules_are_valid() {
+    for m in MODULES {
+        let path = m.path(&root());
+        let run = Command::new("spirv-val")
+            .args(["--target-env", "vulkan1.2"])
+            .arg(&path)
+            .output();
+        match run {
+            Ok(output) => assert!(
+                output.status.success(),
+                "{}: {}{}",
+                path.display(),
+                String::from_utf8_lossy(&output.stdout),
+                String::from_utf8_lossy(&output.stderr)
+            ),
+            Err(error) if std::env::var_os("HALFLIGHT_REQUIRE_VULKAN").is_some() => {
+                panic!("HALFLIGHT_REQUIRE_VULKAN is set, but spirv-val does not run: {error}")
+            }
+            Err(error) => {
+                eprintln!(
+                    "skipped: spirv-val does not run ({error}); Debian has it in spirv-tools"
+                );
+                return;
+            }
+        }
+    }
+}
+
+/// Modules declare nothing that the host does not enable: Shader (1) and VulkanMemoryModel (5345).
+#[test]
+fn modules_need_what_the_host_enables() {
+    for m in MODULES {
+        let words = module::words_of(&std::fs::read(m.path(&root())).expect("a module"));
+        let capabilities = module::capabilities(&words);
+        assert!(
+            capabilities.iter().all(|c| [1, 5345].contains(c)),
+            "{}: {capabilities:?}",
+            m.name
+        );
+    }
+    let entries = module::entry_points(&module::words());
+    for entry in [
+        "paths::scatter",
+        "occlusion",
+        "surface_features",
+        "canary::canary",
+    ] {
+        assert!(entries.iter().any(|e| e == entry), "{entry}");
+    }
+}
+
+/// No file of the shaders is longer than 150 lines: they hold bindings and calls, what they call is in the kernel.
+#[test]
+fn shaders_are_short() {
+    let mut files = 0;
+    for folder in [
+        "render-spirv/shaders/src",
+        "render-spirv/examples/shader/src",
+    ] {
+        for entry in std::fs::read_dir(root().join(folder)).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let lines = std::fs::read_to_string(&path)
+                .expect("text")
+                .lines()
+                .count();
+            let most = if folder.contains("examples") { 60 } else { 150 };
+            assert!(lines <= most, "{}: {lines} lines", path.display());
+            files += 1;
+        }
+    }
+    assert!(files >= 4, "{files}");
+}

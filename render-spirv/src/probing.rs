@@ -89,7 +89,8 @@ impl<I: NoUninit, O: Pod> Probe<I, O> {
     }
 }
 
-/// Runs `groups` workgroups of any entry point whose buffers are `tables` and, after them, one of `count` results.
+/// Runs `groups` workgroups of any entry point whose buffers are `tables` and, after them, one of `count` results, and
+/// whose push constants are `constants`.
 ///
 /// # Errors
 /// If the device has no room or fails.
@@ -98,6 +99,7 @@ pub fn run_once<O: Pod + AnyBitPattern>(
     module: &[u32],
     entry: &CStr,
     tables: &[&[u8]],
+    constants: &impl NoUninit,
     groups: u32,
     count: usize,
 ) -> Result<Vec<O>, VulkanError> {
@@ -110,8 +112,8 @@ pub fn run_once<O: Pod + AnyBitPattern>(
     results.write(&vec![0u8; count * size_of::<O>()]);
     let mut bound: Vec<&Buffer> = buffers.iter().collect();
     bound.push(&results);
-    let pipeline = device.create_pipeline(module, entry, &bound, 0)?;
-    pipeline.dispatch("a shader", &(), groups, TIME_LIMIT)?;
+    let pipeline = device.create_pipeline(module, entry, &bound, size_of_val(constants) as u32)?;
+    pipeline.dispatch("a shader", constants, groups, TIME_LIMIT)?;
     let mut out = vec![O::zeroed(); count];
     results.read(&mut out);
     Ok(out)

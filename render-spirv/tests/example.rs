@@ -32,6 +32,7 @@ fn the_example_shader_gives_the_kernels_values() {
         &words,
         c"main_cs",
         &[bytemuck::cast_slice(&pairs)],
+        &(),
         10,
         pairs.len(),
     )

@@ -31,7 +31,7 @@ fn compare(entry: &CStr, records: &[Fields], sizes: &[usize]) {
     let tables: Vec<&[u8]> = tables.iter().map(Vec::as_slice).collect();
     let fields: Fields = records.iter().flatten().copied().collect();
     let found: Vec<u32> =
-        run_once(&device, &words, entry, &tables, 1, fields.len()).expect("a run");
+        run_once(&device, &words, entry, &tables, &(), 1, fields.len()).expect("a run");
     for ((record, field, word), found) in fields.iter().zip(found) {
         assert_eq!(
             found.wrapping_sub(PATTERN),

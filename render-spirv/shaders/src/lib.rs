@@ -15,9 +15,10 @@ pub mod paths;
 #[cfg(feature = "probes")]
 pub mod probe;
 #[cfg(feature = "probes")]
+pub mod probe_texture;
+#[cfg(feature = "probes")]
 #[path = "../../src/probe/mod.rs"]
 pub mod probes;
-#[cfg(not(feature = "probes"))]
 pub mod scene_entry;
 
 #[cfg(not(feature = "probes"))]

@@ -10,5 +10,6 @@ mod lobes;
 mod microfacets;
 mod numbers;
 mod random;
+mod textures;
 mod tolerance;
 mod vectors;

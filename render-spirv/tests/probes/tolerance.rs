@@ -49,6 +49,13 @@ const fn row(
 
 const TABLE: &[Tolerance] = &[
     row(
+        &["texture"],
+        5e-5,
+        1e-4,
+        0,
+        "A texture's affine map of coordinates of up to 100, fused or not, moves the place between texels by their rounding.",
+    ),
+    row(
         &["sqrt"],
         0.0,
         5e-7,

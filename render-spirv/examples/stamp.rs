@@ -1,6 +1,8 @@
-//! Writes the stamp of a module: the last step of `render-spirv/build-shaders`, with the module's name and the compiler's.
+//! The last step of `render-spirv/build-shaders`, with the module's name and the compiler's: forbids drivers to fuse arithmetic,
+//! and writes the stamp.
 
-use halflight_spirv::module::MODULES;
+use halflight_spirv::exact::decorated;
+use halflight_spirv::module::{MODULES, words_of};
 use std::error::Error;
 use std::path::Path;
 
@@ -13,6 +15,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .find(|m| m.name == name)
         .ok_or_else(|| format!("there is no module \"{name}\""))?;
+    let words = decorated(&words_of(&std::fs::read(module.path(&root))?));
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    std::fs::write(module.path(&root), bytes)?;
     std::fs::write(module.stamp_path(&root), module.stamp(&root, &compiler)?)?;
     Ok(())
 }

@@ -34,6 +34,7 @@
 
 pub mod canary;
 pub mod commands;
+pub mod exact;
 pub mod interface;
 pub mod module;
 pub mod probe;

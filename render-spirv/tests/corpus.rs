@@ -3,7 +3,7 @@
 //! `HALFLIGHT_CORPUS` names the folder; its `manifest.json` lists scenes with their parameters.
 //! `HALFLIGHT_CORPUS_ONLY` is a part of the names, `HALFLIGHT_CORPUS_WIDTH` the width of the images (default 40), and with
 //! `HALFLIGHT_CORPUS_VULKAN_STEP=N` only every Nth scene is taken: compiling the shaders of all takes many minutes. All must
-//! agree, four of them but for a few paths. Without the folder or without a device the test says that it skips.
+//! agree, three of them but for a few paths. Without the folder or without a device the test says that it skips.
 
 mod common;
 mod images;
@@ -12,11 +12,10 @@ use common::device;
 use images::{compare, load};
 use std::path::PathBuf;
 
-/// Scenes that look through several layers of glass at a small, strong light: refraction enlarges the rounding of every
-/// bounce, and the few paths that end elsewhere can hold more light than all others together. At most 1 % of the pixels may
-/// be such, and the others must agree as anywhere.
-const THROUGH_GLASS: [&str; 4] = [
-    "bsdf_dielectric_glass",
+/// Scenes in which a few paths end elsewhere because the device's exponentials, logarithms and arc functions round otherwise,
+/// and in small images such a path can hold more light than all others together. At most 1 % of the pixels may be such, and
+/// the others must agree as anywhere.
+const OTHER_PATHS: [&str; 3] = [
     "bsdf_roughdielectric_glass",
     "bsdf_roughdielectric_rough",
     "torus",
@@ -67,7 +66,7 @@ fn every_scene_is_the_processors() {
                     d.ready,
                     d.seconds
                 );
-                let agrees = if THROUGH_GLASS.contains(&name.as_str()) {
+                let agrees = if OTHER_PATHS.contains(&name.as_str()) {
                     d.mean_inside <= 1e-3 && d.outside <= 0.01 && d.not_finite == 0
                 } else {
                     d.is_small()

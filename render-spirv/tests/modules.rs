@@ -1,5 +1,6 @@
 //! The committed modules: as new as their sources, valid, and no more demanding than the host provides.
 
+use halflight_spirv::exact;
 use halflight_spirv::module::{self, MODULES};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -84,6 +85,36 @@ fn modules_are_valid() {
             }
         }
     }
+}
+
+/// No driver may fuse or reorder arithmetic; what `build-shaders` adds for that loses nothing else.
+#[test]
+fn arithmetic_is_exact() {
+    for m in MODULES {
+        let words = module::words_of(&std::fs::read(m.path(&root())).expect("a module"));
+        assert!(exact::contractible(&words).is_empty(), "{}", m.name);
+        assert_eq!(exact::decorated(&words), words, "{}", m.name);
+    }
+    // Two results are computed, the second is decorated already.
+    let instruction = |opcode: u32, operands: &[u32]| {
+        let mut words = vec![(operands.len() as u32 + 1) << 16 | opcode];
+        words.extend(operands);
+        words
+    };
+    let words = [
+        vec![0x0723_0203, 0x0001_0300, 0, 9, 0],
+        instruction(17, &[1]),
+        instruction(71, &[6, 42]),
+        instruction(129, &[1, 5, 2, 2]),
+        instruction(133, &[1, 6, 2, 2]),
+        instruction(128, &[1, 7, 2, 2]),
+    ]
+    .concat();
+    assert_eq!(exact::contractible(&words), [5]);
+    let after = exact::decorated(&words);
+    assert_eq!(after[..7], words[..7]);
+    assert_eq!(after[7..10], instruction(71, &[5, 42]));
+    assert_eq!(after[10..], words[7..]);
 }
 
 /// Modules declare nothing that the host does not enable: Shader (1) and VulkanMemoryModel (5345).

@@ -8,6 +8,7 @@ use super::build::GroupTree;
 use glam::Vec3;
 use halflight_kernel::math::vec3;
 use halflight_kernel::scene::Tables;
+use obvhs::cwbvh::node::CwBvhNode;
 
 /// Triangles in a block.
 pub const BLOCK: usize = 8;
@@ -52,19 +53,18 @@ pub struct PackedLeaves {
 impl PackedLeaves {
     /// Lays out the leaves of `tree`, whose nodes are made to point to the new places.
     pub fn new(tables: &Tables<'_>, tree: &mut GroupTree) -> PackedLeaves {
-        let mut packed = PackedLeaves::default();
+        let blocks = tree.nodes.iter().map(|node| places(node).div_ceil(BLOCK));
+        let blocks = blocks.sum::<usize>();
+        let mut packed = PackedLeaves {
+            primitives: Vec::with_capacity(blocks * BLOCK),
+            blocks: Vec::with_capacity(blocks),
+            others: Vec::with_capacity(blocks),
+        };
         for node in &mut tree.nodes {
-            // Places are counted in unary in the top three bits of a leaf's entry; inner children look alike.
-            let count = (0..8)
-                .filter(|k| node.imask & (1 << k) == 0)
-                .map(|k| node.child_meta[k] as u32)
-                .filter(|meta| meta >> 5 != 0)
-                .map(|meta| (meta & 31) + (meta >> 5).count_ones())
-                .max()
-                .unwrap_or(0);
+            let count = places(node);
             let first = node.primitive_base_idx as usize;
             node.primitive_base_idx = packed.primitives.len() as u32;
-            for places in tree.primitives[first..first + count as usize].chunks(BLOCK) {
+            for places in tree.primitives[first..first + count].chunks(BLOCK) {
                 let mut block = TriangleBlock::NOTHING;
                 let mut others = 0;
                 for place in 0..BLOCK {
@@ -90,4 +90,16 @@ impl PackedLeaves {
         }
         packed
     }
+}
+
+/// Places that the leaves of a node take. They are counted in unary in the top three bits of a leaf's entry, behind the first
+/// place in the others; entries of inner children look alike.
+fn places(node: &CwBvhNode) -> usize {
+    (0..8)
+        .filter(|k| node.imask & (1 << k) == 0)
+        .map(|k| node.child_meta[k])
+        .filter(|meta| meta >> 5 != 0)
+        .map(|meta| (meta & 31) as usize + (meta >> 5).count_ones() as usize)
+        .max()
+        .unwrap_or(0)
 }

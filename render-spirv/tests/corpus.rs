@@ -12,9 +12,10 @@ use common::device;
 use images::{compare, load};
 use std::path::PathBuf;
 
-/// Scenes in which a few paths end elsewhere because the device's exponentials, logarithms and arc functions round otherwise,
-/// and in small images such a path can hold more light than all others together. At most 1 % of the pixels may be such, and
-/// the others must agree as anywhere.
+/// Scenes in which a few paths end elsewhere: the device's exponentials, logarithms and arc functions round otherwise (rough
+/// glass), or two surfaces coincide, and of hits at equal distances each tree keeps the one it meets first (torus). In small
+/// images such a path can hold more light than all others together. At most 1 % of the pixels may be such, and the others
+/// must agree as anywhere.
 const OTHER_PATHS: [&str; 3] = [
     "bsdf_roughdielectric_glass",
     "bsdf_roughdielectric_rough",

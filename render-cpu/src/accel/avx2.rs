@@ -5,7 +5,7 @@
 
 use super::block::{BlockHit, BlockRay};
 use super::lanes::Lanes;
-use super::node::{Children, NodeRay};
+use super::node::{Children, Grid, NodeRay};
 use super::packed::{BLOCK, TriangleBlock};
 use glam::Vec3;
 use obvhs::cwbvh::node::CwBvhNode;
@@ -170,11 +170,7 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn children(node: &CwBvhNode, ray: &WideRay, t_max: f32) -> Children {
-        let step = node.compute_extent() * ray.node.inverse;
-        let base = (glam::Vec3A::from(node.p) - ray.node.origin) * ray.node.inverse;
-        // As in `super::node`: four roundings of each term, doubled.
-        let error = (base.abs() + step.abs() * 255.0) * 5e-7;
-        let (low, high) = (base - error, base + error);
+        let Grid { step, low, high } = Grid::new(node, &ray.node);
         // SAFETY: `near` holds offsets of `LOWER`, plus eight or not; the processor has AVX2 and FMA.
         unsafe {
             // Offsets of lower planes are multiples of sixteen: the other ones are eight on or back.

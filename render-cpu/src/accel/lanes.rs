@@ -28,16 +28,6 @@ pub struct NarrowRay {
     block: BlockRay,
 }
 
-impl NarrowRay {
-    #[inline(always)]
-    fn new(origin: Vec3, direction: Vec3, t_min: f32) -> NarrowRay {
-        NarrowRay {
-            node: NodeRay::new(origin, direction, t_min),
-            block: BlockRay::new(origin, direction, t_min),
-        }
-    }
-}
-
 /// Any processor.
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
@@ -47,7 +37,10 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn ray(origin: Vec3, direction: Vec3, t_min: f32) -> NarrowRay {
-        NarrowRay::new(origin, direction, t_min)
+        NarrowRay {
+            node: NodeRay::new(origin, direction, t_min),
+            block: BlockRay::new(origin, direction, t_min),
+        }
     }
 
     #[inline(always)]
@@ -61,7 +54,7 @@ impl Lanes for Portable {
     }
 }
 
-/// Four lanes, on every x86-64 processor.
+/// Four lanes for nodes, on every x86-64 processor; all else as [`Portable`].
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy, Debug)]
 pub struct Sse2;
@@ -72,7 +65,7 @@ impl Lanes for Sse2 {
 
     #[inline(always)]
     fn ray(origin: Vec3, direction: Vec3, t_min: f32) -> NarrowRay {
-        NarrowRay::new(origin, direction, t_min)
+        Portable::ray(origin, direction, t_min)
     }
 
     #[inline(always)]
@@ -82,7 +75,7 @@ impl Lanes for Sse2 {
 
     #[inline(always)]
     fn nearest(block: &TriangleBlock, ray: &NarrowRay, places: u32, t_max: f32) -> BlockHit {
-        block::portable(block, &ray.block, places, t_max)
+        Portable::nearest(block, ray, places, t_max)
     }
 }
 

@@ -13,7 +13,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 /// What nodes need of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeRay {
-    pub(super) origin: Vec3A,
+    origin: Vec3A,
     /// 1 / direction, finite, so that no plane distance is zero times infinity.
     pub(super) inverse: Vec3A,
     is_negative: [bool; 3],
@@ -42,10 +42,31 @@ impl NodeRay {
 }
 
 /// Plane distances of a node: t = q step + low for near planes and q step + high for far ones.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    pub step: Vec3A,
+    pub low: Vec3A,
+    pub high: Vec3A,
+}
+
+impl Grid {
+    #[inline(always)]
+    pub fn new(node: &CwBvhNode, ray: &NodeRay) -> Grid {
+        let step = node.compute_extent() * ray.inverse;
+        let base = (Vec3A::from(node.p) - ray.origin) * ray.inverse;
+        // Four roundings of each term, doubled.
+        let error = (base.abs() + step.abs() * 255.0) * 5e-7;
+        Grid {
+            step,
+            low: base - error,
+            high: base + error,
+        }
+    }
+}
+
+/// The planes of all children.
 struct Planes {
-    step: Vec3A,
-    low: Vec3A,
-    high: Vec3A,
+    grid: Grid,
     /// Near planes of x, y, z, then far ones: a byte per child.
     bytes: [u64; 6],
 }
@@ -53,10 +74,6 @@ struct Planes {
 impl Planes {
     #[inline(always)]
     fn new(node: &CwBvhNode, ray: &NodeRay) -> Planes {
-        let step = node.compute_extent() * ray.inverse;
-        let base = (Vec3A::from(node.p) - ray.origin) * ray.inverse;
-        // Four roundings of each term, doubled.
-        let error = (base.abs() + step.abs() * 255.0) * 5e-7;
         let order = |negative: bool, min: [u8; 8], max: [u8; 8]| {
             let (min, max) = (u64::from_le_bytes(min), u64::from_le_bytes(max));
             if negative { (max, min) } else { (min, max) }
@@ -66,9 +83,7 @@ impl Planes {
         let (y0, y1) = order(ny, node.child_min_y, node.child_max_y);
         let (z0, z1) = order(nz, node.child_min_z, node.child_max_z);
         Planes {
-            step,
-            low: base - error,
-            high: base + error,
+            grid: Grid::new(node, ray),
             bytes: [x0, y0, z0, x1, y1, z1],
         }
     }
@@ -111,7 +126,7 @@ fn bits(meta: u8) -> u32 {
 pub fn portable(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
     let planes = Planes::new(node, ray);
     let q = planes.bytes.map(|b| b.to_le_bytes().map(f32::from));
-    let (step, low, high) = (planes.step, planes.low, planes.high);
+    let Grid { step, low, high } = planes.grid;
     let mut children = Children {
         near: [0.0; 8],
         hits: 0,
@@ -138,7 +153,7 @@ pub use sse2::twice_four;
 
 #[cfg(target_arch = "x86_64")]
 mod sse2 {
-    use super::{Children, CwBvhNode, NodeRay, Planes, bits};
+    use super::{Children, CwBvhNode, Grid, NodeRay, Planes, bits};
     use std::arch::x86_64::*;
 
     /// [`super::portable`] with four lanes twice, on every x86-64 processor.
@@ -183,7 +198,7 @@ mod sse2 {
         let at = |q: __m128, step: f32, base: f32| {
             _mm_add_ps(_mm_mul_ps(q, _mm_set1_ps(step)), _mm_set1_ps(base))
         };
-        let (step, low, high) = (planes.step, planes.low, planes.high);
+        let Grid { step, low, high } = planes.grid;
         let near = _mm_max_ps(
             _mm_max_ps(at(q[0], step.x, low.x), at(q[1], step.y, low.y)),
             _mm_max_ps(at(q[2], step.z, low.z), _mm_set1_ps(t_min)),

@@ -1,6 +1,6 @@
 //! Orthonormal frames with z along the normal.
 //!
-//! `to_local` and `to_world` are inverse to each other up to rounding (checked by a property test at 4 ulp of the
+//! `to_local` and `to_world` are inverse to each other up to rounding (a property test: 16 ulp of the
 //! vector's length). Local cosines: `cos_theta(w) = w.z`.
 
 use glam::Vec3;
@@ -39,11 +39,19 @@ impl Frame {
     }
 
     /// The frame around unit `n` whose s is the part of `tangent` orthogonal to `n`; any frame when that vanishes.
+    ///
+    /// Orthonormal to a few roundings whatever the angle of the two: the part along `n` that rounding leaves in a small
+    /// difference is taken off once more.
     #[inline]
     pub fn from_normal_tangent(n: Vec3, tangent: Vec3) -> Frame {
-        let s = tangent - n * n.dot(tangent);
-        let length2 = s.length_squared();
-        if length2 > 1e-12 * tangent.length_squared() && length2 > 1e-36 {
+        let mut s = tangent - n * n.dot(tangent);
+        let mut length2 = s.length_squared();
+        let tangent2 = tangent.length_squared();
+        if length2 > 1e-12 * tangent2 && length2 > 1e-36 {
+            if length2 < 0.25 * tangent2 {
+                s -= n * n.dot(s);
+                length2 = s.length_squared();
+            }
             let s = s * (1.0 / super::float::sqrt(length2));
             Frame {
                 s,

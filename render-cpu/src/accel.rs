@@ -13,6 +13,7 @@
 pub mod avx2;
 pub mod block;
 pub mod build;
+pub mod collapse;
 pub mod lanes;
 pub mod node;
 pub mod packed;
@@ -96,9 +97,9 @@ impl Accel {
         // The groups first, because the world needs their bounds for its instances.
         for (index, range) in groups.iter().enumerate().rev() {
             let found = primitive_bounds(&tables, range, (index == 0).then_some(&bounds[..]));
-            let mut tree = GroupTree::build(&found);
-            bounds[index] = tree.bounds;
             accel.statistics.skipped += found.skipped;
+            let mut tree = GroupTree::build(found);
+            bounds[index] = tree.bounds;
             accel.statistics.depth = accel.statistics.depth.max(tree.depth);
             accel.statistics.primitives += tree.primitives.len();
             let packed = PackedLeaves::new(&tables, &mut tree);

@@ -5,10 +5,12 @@ mod geometry;
 
 use geometry::Geometry;
 use glam::{Affine3A, Mat3A, Quat, Vec3};
+use halflight::accel::collapse::collapse;
 use halflight::accel::{Accel, GroupRange, build};
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::IDENTITY;
 use halflight_kernel::scene::*;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
@@ -337,7 +339,7 @@ fn trees_do_not_depend_on_the_number_of_threads() {
         let tree = pool.unwrap().install(|| {
             let tables = geometry.tables();
             let found = build::primitive_bounds(&tables, &geometry.groups[0], None);
-            build::GroupTree::build(&found)
+            build::GroupTree::build(found)
         });
         (tree.primitives, tree.nodes)
     };
@@ -345,6 +347,40 @@ fn trees_do_not_depend_on_the_number_of_threads() {
     assert_eq!(one.0.len(), 120_000);
     for threads in [2, 3, 7] {
         assert!(order(threads) == one, "{threads} threads");
+    }
+}
+
+/// The wide nodes are those that obvhs makes of the same binary tree, for trees of one leaf, of a few, and of enough that
+/// threads share the work; boxes lie in clusters, coincide and have no thickness.
+#[test]
+fn wide_nodes_are_those_of_obvhs() {
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32
+    };
+    for count in [1, 2, 3, 4, 5, 9, 40, 700, 30_000] {
+        let geometry = world(|g| {
+            for i in 0..count {
+                let spread = if i % 3 == 0 { 100.0 } else { 1.0 };
+                let at = Vec3::new(random(), random(), random()) * spread;
+                let size = if i % 50 == 0 { 3.0 } else { 0.01 };
+                let (a, b) = (random() - 0.5, random() - 0.5);
+                for _ in 0..1 + (i % 17 == 0) as u32 {
+                    g.triangle([at, at + Vec3::new(size, 0.0, a * size), at + Vec3::Y * b]);
+                }
+            }
+        });
+        let found = build::primitive_bounds(&geometry.tables(), &geometry.groups[0], None);
+        let binary = build::binary_tree(found, build::MAX_BINARY_DEPTH);
+        let expected = bvh2_to_cwbvh(&binary, 3, false, false);
+        let wide = collapse(&binary, build::MAX_BINARY_DEPTH).unwrap();
+        assert!(wide.nodes == expected.nodes, "{count}");
+        assert_eq!(wide.primitives, expected.primitive_indices, "{count}");
+
+        let deepest = build::binary_depth(&binary);
+        assert!(collapse(&binary, deepest).is_some(), "{count}");
+        assert!(collapse(&binary, deepest - 1).is_none(), "{count}");
     }
 }
 

@@ -1,10 +1,14 @@
 //! From primitives to trees.
 //!
-//! obvhs builds a binary tree (PLOC, Meister and Bittner 2018, with parallel reinsertion) and folds it into eight-wide
-//! nodes. Its recursion and the walks' stacks bound the depth, so a binary tree that comes out deeper than
+//! obvhs builds a binary tree (PLOC, Meister and Bittner 2018, with parallel reinsertion), which [`collapse()`] folds into
+//! eight-wide nodes. Recursion and the walks' stacks bound the depth, so a binary tree that comes out deeper than
 //! [`MAX_BINARY_DEPTH`] (primitives whose sizes span hundreds of octaves) is replaced by a median split tree.
+//!
+//! A build touches memory that is then given back, and touching it costs as much as the work on it. So boxes are made
+//! once, as the leaves that the builder takes over, and are not kept beside its tree.
 
 use super::GroupRange;
+use super::collapse::{WideTree, collapse};
 use glam::{Vec3, Vec3A};
 use halflight_kernel::math::affine::{transform_magnitude, transform_point, translation};
 use halflight_kernel::math::vec3;
@@ -13,9 +17,11 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ploc::{PlocBuilder, SortPrecision};
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator,
+};
 
 /// Coordinates beyond this are not traced: areas of boxes, which the builder adds up, would overflow.
 pub const MAX_COORDINATE: f32 = 1e15;
@@ -26,8 +32,11 @@ pub const MAX_BINARY_DEPTH: usize = 96;
 /// The deepest wide tree that the walk's stack has room for.
 pub const MAX_WIDE_DEPTH: usize = 32;
 
-/// Primitives per leaf of a wide tree, at most three.
-const MAX_LEAF: u32 = 3;
+/// Neighbours on either side among which the builder looks for a node's partner.
+const SEARCH_DISTANCE: usize = 14;
+
+/// Rounds at the start in which it looks at the next ones only.
+const NEAREST_ROUNDS: usize = 3;
 
 /// Fraction of a tree's nodes that the first round of reinsertion moves. 0.2 instead of the library's 0.05 gains 5 to 10 %
 /// of the rays per second.
@@ -42,22 +51,46 @@ const MAX_REINSERTED: f32 = 80_000.0;
 pub struct PrimitiveBounds {
     /// Triangles, the number of triangles plus quadrics, or the number of both plus instances.
     pub primitives: Vec<u32>,
-    /// Their boxes.
-    pub boxes: Vec<Aabb>,
+    /// Their boxes: a leaf each, with the place in `primitives`.
+    pub leaves: Vec<Bvh2Node>,
     /// Primitives without a usable box.
     pub skipped: usize,
 }
 
 impl PrimitiveBounds {
     fn push(&mut self, primitive: u32, bounds: Aabb) {
-        let usable = bounds.min.cmpge(Vec3A::splat(-MAX_COORDINATE)).all()
-            && bounds.max.cmple(Vec3A::splat(MAX_COORDINATE)).all();
-        if usable {
+        if is_usable(&bounds) {
+            let place = self.primitives.len() as u32;
+            self.leaves.push(Bvh2Node::new(bounds, 1, place));
             self.primitives.push(primitive);
-            self.boxes.push(bounds);
         } else {
             self.skipped += 1;
         }
+    }
+
+    /// The box of everything.
+    fn total(&self) -> Aabb {
+        let boxes = self.leaves.par_iter().map(|leaf| *leaf.aabb());
+        boxes.reduce(Aabb::empty, |a, b| a.union(&b))
+    }
+}
+
+/// Whether a box can be traced; one with NaNs cannot.
+fn is_usable(bounds: &Aabb) -> bool {
+    bounds.min.cmpge(Vec3A::splat(-MAX_COORDINATE)).all()
+        && bounds.max.cmple(Vec3A::splat(MAX_COORDINATE)).all()
+}
+
+/// The box of a triangle, NaN where a vertex is not finite.
+fn triangle_bounds(tables: &Tables<'_>, index: u32) -> Aabb {
+    let points = tables.triangles[index as usize]
+        .vertices
+        .map(|v| Vec3A::from(vec3(tables.positions[v as usize])));
+    // NaNs vanish in minima and maxima: they are looked for first.
+    if points.iter().all(|p| p.is_finite()) {
+        Aabb::from_points(&points)
+    } else {
+        Aabb::new(Vec3A::NAN, Vec3A::NAN)
     }
 }
 
@@ -68,15 +101,15 @@ pub fn primitive_bounds(
     group_bounds: Option<&[Aabb]>,
 ) -> PrimitiveBounds {
     let mut found = PrimitiveBounds::default();
-    for index in range.triangles.clone() {
-        let points = tables.triangles[index as usize]
-            .vertices
-            .map(|v| Vec3A::from(vec3(tables.positions[v as usize])));
-        // NaNs vanish in minima and maxima: they are looked for first.
-        if points.iter().all(|p| p.is_finite()) {
-            found.push(index, Aabb::from_points(&points));
-        } else {
-            found.skipped += 1;
+    let first = range.triangles.start;
+    let leaf = |index: u32| Bvh2Node::new(triangle_bounds(tables, index), 1, index - first);
+    let triangles = range.triangles.clone().into_par_iter();
+    triangles.map(leaf).collect_into_vec(&mut found.leaves);
+    if found.leaves.par_iter().all(|leaf| is_usable(leaf.aabb())) {
+        found.primitives = range.triangles.clone().collect();
+    } else {
+        for leaf in std::mem::take(&mut found.leaves) {
+            found.push(first + leaf.first_index, *leaf.aabb());
         }
     }
     let quadric_start = tables.triangles.len() as u32;
@@ -149,47 +182,65 @@ pub struct GroupTree {
 
 impl GroupTree {
     /// Builds the tree.
-    pub fn build(found: &PrimitiveBounds) -> GroupTree {
-        if found.boxes.is_empty() {
+    pub fn build(found: PrimitiveBounds) -> GroupTree {
+        if found.leaves.is_empty() {
             return GroupTree {
                 bounds: Aabb::empty(),
                 ..GroupTree::default()
             };
         }
-        let binary = binary_tree(&found.boxes, MAX_BINARY_DEPTH);
-        let mut wide = bvh2_to_cwbvh(&binary, MAX_LEAF, false, false);
-        if wide_depth(&wide.nodes) > MAX_WIDE_DEPTH {
-            wide = bvh2_to_cwbvh(&median_split_tree(&found.boxes), MAX_LEAF, false, false);
-        }
+        let mut binary = clustered_tree(found, MAX_BINARY_DEPTH);
+        let wide = collapse(&binary, MAX_BINARY_DEPTH);
+        let wide = wide
+            .filter(|wide| wide.depth <= MAX_WIDE_DEPTH)
+            .unwrap_or_else(|| {
+                binary = median_split_tree(&binary);
+                // It is as shallow as can be.
+                collapse(&binary, MAX_BINARY_DEPTH).unwrap_or_default()
+            });
+        let WideTree {
+            nodes,
+            primitives,
+            depth,
+        } = wide;
         GroupTree {
-            depth: wide_depth(&wide.nodes),
-            primitives: wide
-                .primitive_indices
-                .iter()
-                .map(|&i| found.primitives[i as usize])
-                .collect(),
-            nodes: wide.nodes,
-            bounds: wide.total_aabb,
+            nodes,
+            primitives,
+            bounds: *binary.nodes[0].aabb(),
+            depth,
         }
     }
 }
 
-/// A binary tree with one primitive per leaf and at most `max_depth` nodes from the root to a leaf.
-pub fn binary_tree(boxes: &[Aabb], max_depth: usize) -> Bvh2 {
-    let indices = (0..boxes.len() as u32).collect::<Vec<_>>();
-    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        boxes,
-        indices,
+/// A binary tree with one primitive per leaf and at most `max_depth` nodes from the root to a leaf. Its indices are those
+/// of the primitives.
+pub fn binary_tree(found: PrimitiveBounds, max_depth: usize) -> Bvh2 {
+    let tree = clustered_tree(found, max_depth);
+    if binary_depth(&tree) > max_depth {
+        return median_split_tree(&tree);
+    }
+    tree
+}
+
+/// [`binary_tree`] of any depth.
+fn clustered_tree(found: PrimitiveBounds, max_depth: usize) -> Bvh2 {
+    let count = found.leaves.len();
+    let total = found.total();
+    let mut tree = Bvh2::zeroed(count);
+    tree.primitive_indices = found.primitives;
+    let mut builder = PlocBuilder::with_capacity(count);
+    builder.current_nodes = found.leaves;
+    builder.build_ploc_from_leaves::<SEARCH_DISTANCE, false>(
+        &mut tree,
+        total,
         SortPrecision::U64,
-        3,
+        NEAREST_ROUNDS,
     );
-    if binary_depth(&tree) <= 2 * max_depth {
+    drop(builder);
+    // The builder's rounds are an upper bound.
+    if tree.max_depth <= 2 * max_depth || binary_depth(&tree) <= 2 * max_depth {
         let fraction = REINSERTED.min(MAX_REINSERTED / tree.nodes.len() as f32);
         ReinsertionOptimizer::default().run(&mut tree, fraction, None);
-    }
-    if binary_depth(&tree) > max_depth {
-        tree = median_split_tree(boxes);
     }
     tree
 }
@@ -211,22 +262,12 @@ pub fn binary_depth(tree: &Bvh2) -> usize {
     deepest
 }
 
-/// Wide nodes from the root to the deepest one.
-fn wide_depth(nodes: &[CwBvhNode]) -> usize {
-    let mut deepest = 0;
-    let mut stack = vec![(0u32, 1usize)];
-    while let Some((index, depth)) = stack.pop() {
-        deepest = deepest.max(depth);
-        let node = &nodes[index as usize];
-        for child in 0..node.imask.count_ones() {
-            stack.push((node.child_base_idx + child, depth + 1));
-        }
+/// A tree of depth log2 n over the leaves of another one: halves by the median along the longest axis of the centres.
+fn median_split_tree(other: &Bvh2) -> Bvh2 {
+    let mut boxes = vec![Aabb::empty(); other.primitive_indices.len()];
+    for leaf in other.nodes.iter().filter(|node| node.is_leaf()) {
+        boxes[leaf.first_index as usize] = *leaf.aabb();
     }
-    deepest
-}
-
-/// A tree of depth log2 n: halves by the median along the longest axis of the centres.
-fn median_split_tree(boxes: &[Aabb]) -> Bvh2 {
     let mut tree = Bvh2::zeroed(boxes.len());
     let mut order = (0..boxes.len() as u32).collect::<Vec<_>>();
     let mut next = 1;
@@ -255,6 +296,9 @@ fn median_split_tree(boxes: &[Aabb]) -> Bvh2 {
         stack.push((next + 1, range.start + middle..range.end));
         next += 2;
     }
-    tree.primitive_indices = order;
+    tree.primitive_indices = order
+        .into_iter()
+        .map(|place| other.primitive_indices[place as usize])
+        .collect();
     tree
 }

@@ -26,18 +26,18 @@ impl ShaderNodes {
         let mut bounds = vec![Aabb::empty(); groups.len()];
         for (index, range) in groups.iter().enumerate().rev() {
             let found = primitive_bounds(&tables, range, (index == 0).then_some(&bounds[..]));
-            let mut tree = binary_tree(&found.boxes, MAX_DEPTH);
+            let mut tree = binary_tree(found, MAX_DEPTH);
             if let Some(root) = tree.nodes.first() {
                 bounds[index] = *root.aabb();
             }
             collapse(&mut tree, MAX_LEAF as u32, 2.0);
-            trees.push((tree, found.primitives));
+            trees.push(tree);
         }
         let mut result = ShaderNodes {
             roots: vec![0; groups.len()],
             ..ShaderNodes::default()
         };
-        for (group, (tree, primitives)) in trees.into_iter().rev().enumerate() {
+        for (group, tree) in trees.into_iter().rev().enumerate() {
             if tree.nodes.is_empty() {
                 continue;
             }
@@ -58,10 +58,7 @@ impl ShaderNodes {
                     count: node.prim_count,
                 });
             }
-            let order = tree.primitive_indices.iter();
-            result
-                .primitive_indices
-                .extend(order.map(|&i| primitives[i as usize]));
+            result.primitive_indices.extend(&tree.primitive_indices);
         }
         result
     }

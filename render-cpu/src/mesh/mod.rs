@@ -15,11 +15,15 @@ mod error;
 pub mod obj;
 pub mod ply;
 mod ply_header;
+mod ply_values;
 pub mod serialized;
 mod triangulate;
 
 pub use error::{MeshError, Place};
 
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
+};
 use std::path::Path;
 
 /// Longest coordinate that is accepted: the square of a difference of two is still finite in `f32`.
@@ -27,6 +31,12 @@ pub const MAX_COORDINATE: f32 = 1e18;
 
 /// Most bytes of a mesh file.
 const MAX_FILE_BYTES: u64 = 16 << 30;
+
+/// Triangles or vertices that are not worth a second thread.
+pub(crate) const MIN_SHARE: usize = 1 << 12;
+
+/// Triangles whose normals are computed before they are added up.
+const NORMAL_BLOCK: usize = 1 << 15;
 
 /// Values per vertex or per face under a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,49 +134,48 @@ impl Mesh {
     /// When a triangle's index is out of range, which [`Mesh::validate`] rules out.
     pub fn compute_vertex_normals(&mut self) {
         let mut sums = vec![[0.0_f32; 3]; self.positions.len()];
-        for triangle in &self.triangles {
-            let corners = triangle.map(|i| to_f64(self.positions[i as usize]));
-            let normal = face_normal(&corners);
-            for k in 0..3 {
-                let a = subtract(corners[(k + 1) % 3], corners[k]);
-                let b = subtract(corners[(k + 2) % 3], corners[k]);
-                // atan2 of |sin| and cos is accurate for all angles, acos is not near 0 and pi.
-                let angle = length(cross(a, b)).atan2(dot(a, b));
-                let sum = &mut sums[triangle[k] as usize];
-                for axis in 0..3 {
-                    sum[axis] += (angle * normal[axis]) as f32;
+        let mut parts = Vec::new();
+        for block in self.triangles.chunks(NORMAL_BLOCK) {
+            block
+                .par_iter()
+                .with_min_len(MIN_SHARE)
+                .map(|triangle| weighted_normals(&triangle.map(|i| self.positions[i as usize])))
+                .collect_into_vec(&mut parts);
+            // In the order of the triangles, so that the sums do not depend on the threads.
+            for (triangle, normals) in block.iter().zip(&parts) {
+                for (&vertex, normal) in triangle.iter().zip(normals) {
+                    let sum = &mut sums[vertex as usize];
+                    for axis in 0..3 {
+                        sum[axis] += normal[axis];
+                    }
                 }
             }
         }
-        for sum in &mut sums {
-            *sum = normalized(*sum).unwrap_or([1.0, 0.0, 0.0]);
-        }
+        sums.par_iter_mut()
+            .with_min_len(MIN_SHARE)
+            .for_each(|sum| *sum = normalized(*sum).unwrap_or([1.0, 0.0, 0.0]));
         self.normals = sums;
     }
 
     fn first_index_out_of_range(&self) -> Option<(usize, u32)> {
         let count = self.positions.len();
-        for (t, triangle) in self.triangles.iter().enumerate() {
-            for &index in triangle {
-                if index as usize >= count {
-                    return Some((t, index));
-                }
-            }
-        }
-        None
+        let triangles = self.triangles.par_iter().with_min_len(MIN_SHARE);
+        let bad = |triangle: &[u32; 3]| triangle.iter().copied().find(|&i| i as usize >= count);
+        let (t, triangle) = triangles
+            .enumerate()
+            .find_first(|(_, triangle)| bad(triangle).is_some())?;
+        Some((t, bad(triangle)?))
     }
 
     fn drop_degenerate_triangles(&mut self, file: &Path) {
         let positions = &self.positions;
-        let keep: Vec<bool> = self
-            .triangles
-            .iter()
-            .map(|t| has_area(&t.map(|i| positions[i as usize])))
-            .collect();
-        let dropped = keep.iter().filter(|k| !**k).count();
-        if dropped == 0 {
+        let is_kept = |t: &[u32; 3]| has_area(&t.map(|i| positions[i as usize]));
+        let triangles = self.triangles.par_iter().with_min_len(MIN_SHARE);
+        if triangles.all(is_kept) {
             return;
         }
+        let keep: Vec<bool> = self.triangles.iter().map(is_kept).collect();
+        let dropped = keep.iter().filter(|k| !**k).count();
         tracing::warn!(
             "{}: {dropped} of {} triangles have no area and are dropped",
             file.display(),
@@ -251,6 +260,19 @@ fn has_area(corners: &[[f32; 3]; 3]) -> bool {
         subtract(corners[2], corners[0]),
     );
     dot(c, c) as f32 > 0.0
+}
+
+/// The triangle's normal at each corner, times its angle there.
+fn weighted_normals(corners: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
+    let corners = corners.map(to_f64);
+    let normal = face_normal(&corners);
+    [0, 1, 2].map(|k| {
+        let a = subtract(corners[(k + 1) % 3], corners[k]);
+        let b = subtract(corners[(k + 2) % 3], corners[k]);
+        // atan2 of |sin| and cos is accurate for all angles, acos is not near 0 and pi.
+        let angle = length(cross(a, b)).atan2(dot(a, b));
+        normal.map(|x| (angle * x) as f32)
+    })
 }
 
 fn face_normal(corners: &[[f64; 3]; 3]) -> [f64; 3] {

@@ -16,9 +16,10 @@
 //! vertex, and its typed elements leave to the caller what is most of the work here: columns that are grouped at run time
 //! by their names. What is left over, the header, is the smaller part.
 
-use super::ply_header::{Element, Encoding, Header, Property, Scalar};
+use super::ply_header::{Element, Header, Property, Scalar};
+use super::ply_values::Values;
 use super::triangulate::Triangulator;
-use super::{Attribute, Mesh, MeshError, Place, read_file};
+use super::{Attribute, Mesh, MeshError, read_file};
 use std::path::Path;
 
 /// What Mitsuba's `ply` plugin assumes for `flip_tex_coords`.
@@ -40,12 +41,7 @@ pub fn load(path: impl AsRef<Path>, flip_tex_coords: bool) -> Result<Mesh, MeshE
 /// [`Mesh::validate`].
 pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, MeshError> {
     let header = Header::read(bytes, file)?;
-    let mut values = Values {
-        bytes,
-        position: header.end,
-        line: header.lines + 1,
-        encoding: header.encoding,
-    };
+    let mut values = Values::after(&header, bytes);
     let mut mesh = Mesh::default();
     for element in &header.elements {
         let result = match element.name.as_str() {
@@ -64,121 +60,6 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
     }
     mesh.validate(file)?;
     Ok(mesh)
-}
-
-/// The numbers after the header.
-struct Values<'a> {
-    bytes: &'a [u8],
-    position: usize,
-    line: u64,
-    encoding: Encoding,
-}
-
-impl Values<'_> {
-    fn place(&self) -> Place {
-        match self.encoding {
-            Encoding::Ascii => Place::Line(self.line),
-            _ => Place::Offset(self.position as u64),
-        }
-    }
-
-    /// Fails unless the rest of the file can hold `count` rows; the one guard before memory is reserved.
-    fn check_room(&self, element: &Element) -> Result<usize, String> {
-        let rest = (self.bytes.len() - self.position) as u64;
-        let needed = element
-            .count
-            .saturating_mul(element.min_bytes(self.encoding));
-        if needed > rest {
-            return Err(format!(
-                "{} rows of \"{}\" are announced, which is more than the file holds",
-                element.count, element.name
-            ));
-        }
-        if element.count > 0 && element.properties.is_empty() {
-            return Err(format!("\"{}\" has no properties", element.name));
-        }
-        Ok(element.count as usize)
-    }
-
-    fn next(&mut self, scalar: Scalar) -> Result<f64, String> {
-        if self.encoding == Encoding::Ascii {
-            return self.next_ascii(scalar);
-        }
-        let mut word = [0; 8];
-        let size = scalar.bytes();
-        let bytes = self
-            .bytes
-            .get(self.position..self.position + size)
-            .ok_or("the file ends here, too early")?;
-        // Little-endian in the low bytes of the word.
-        for (k, &byte) in bytes.iter().enumerate() {
-            match self.encoding {
-                Encoding::BigEndian => word[size - 1 - k] = byte,
-                _ => word[k] = byte,
-            }
-        }
-        self.position += size;
-        let bits = u64::from_le_bytes(word);
-        Ok(match scalar {
-            Scalar::I8 => f64::from(bits as u8 as i8),
-            Scalar::U8 => f64::from(bits as u8),
-            Scalar::I16 => f64::from(bits as u16 as i16),
-            Scalar::U16 => f64::from(bits as u16),
-            Scalar::I32 => f64::from(bits as u32 as i32),
-            Scalar::U32 => f64::from(bits as u32),
-            Scalar::F32 => f64::from(f32::from_bits(bits as u32)),
-            Scalar::F64 => f64::from_bits(bits),
-        })
-    }
-
-    fn next_ascii(&mut self, scalar: Scalar) -> Result<f64, String> {
-        while let Some(&byte) = self.bytes.get(self.position) {
-            if !byte.is_ascii_whitespace() {
-                break;
-            }
-            self.line += u64::from(byte == b'\n');
-            self.position += 1;
-        }
-        let rest = &self.bytes[self.position..];
-        if rest.is_empty() {
-            return Err("the file ends here, too early".into());
-        }
-        let end = rest.iter().position(u8::is_ascii_whitespace);
-        let word = &rest[..end.unwrap_or(rest.len())];
-        let text = std::str::from_utf8(word).unwrap_or("");
-        let number = match scalar {
-            // Rounded once, to the type of the file.
-            Scalar::F32 => text.parse::<f32>().map(f64::from),
-            _ => text.parse::<f64>(),
-        };
-        let number = number.map_err(|_| {
-            let shown = word[..word.len().min(40)].escape_ascii();
-            format!("\"{shown}\" is not a number")
-        })?;
-        self.position += word.len();
-        Ok(number)
-    }
-
-    /// The length of a list.
-    fn next_length(&mut self, scalar: Scalar) -> Result<usize, String> {
-        let number = self.next(scalar)?;
-        // A value takes a byte at least, and what is longer than the file fails before anything is read of it.
-        if number < 0.0 || number.fract() != 0.0 || number > (self.bytes.len()) as f64 {
-            return Err(format!("{number} is no length of a list in this file"));
-        }
-        Ok(number as usize)
-    }
-
-    fn skip_property(&mut self, property: &Property) -> Result<(), String> {
-        let count = match property.list {
-            Some(length) => self.next_length(length)?,
-            None => 1,
-        };
-        for _ in 0..count {
-            self.next(property.scalar)?;
-        }
-        Ok(())
-    }
 }
 
 fn skip(element: &Element, values: &mut Values<'_>) -> Result<(), String> {
@@ -293,7 +174,18 @@ fn read_faces(
     let mut row = vec![Vec::new(); attributes.len()];
     let mut ignored = 0_u64;
     mesh.triangles.reserve(count);
+    let only_indices = match &element.properties[..] {
+        [indices] => indices.list.map(|length| (length, indices.scalar)),
+        _ => None,
+    };
     for _ in 0..count {
+        // What most files hold, read without a detour through lists of numbers.
+        if only_indices == Some((Scalar::U8, Scalar::I32))
+            && let Some(triangle) = values.next_triangle(mesh.positions.len())
+        {
+            mesh.triangles.push(triangle);
+            continue;
+        }
         row.iter_mut().for_each(Vec::clear);
         for (k, (property, target)) in element.properties.iter().zip(&targets).enumerate() {
             if k == indices_at {

@@ -6,7 +6,7 @@ mod load;
 use super::Builder;
 use super::texture::MeshAttributes;
 use crate::accel::GroupRange;
-use crate::mesh::Mesh;
+use crate::mesh::{MIN_SHARE, Mesh};
 use crate::scene::error::SceneError;
 use crate::scene::transform;
 use crate::scene::xml::{Object, ObjectKind};
@@ -15,6 +15,7 @@ use halflight_kernel::scene::{
     Instance, NONE, Quadric, Shape, Triangle, emitter_kind, material_flag, quadric_kind,
     scene_flag, shape_flag,
 };
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 use std::sync::Arc;
 
 /// Deeper nesting of groups is a mistake.
@@ -147,16 +148,16 @@ impl Builder {
         u32::try_from(tables.triangles.len() + mesh.triangles.len()).map_err(|_| overflow())?;
 
         transform_mesh(object, &mut mesh, to_world)?;
-        tables.positions.extend_from_slice(&mesh.positions);
+        append(&mut tables.positions, &mut mesh.positions);
         let mut normal_offset = NONE;
         if !mesh.normals.is_empty() {
             normal_offset = (tables.normals.len() as u32).wrapping_sub(first_vertex);
-            tables.normals.extend_from_slice(&mesh.normals);
+            append(&mut tables.normals, &mut mesh.normals);
         }
         let mut uv_offset = NONE;
         if !mesh.uvs.is_empty() {
             uv_offset = (tables.uvs.len() as u32).wrapping_sub(first_vertex);
-            tables.uvs.extend_from_slice(&mesh.uvs);
+            append(&mut tables.uvs, &mut mesh.uvs);
         }
         let shape = tables.shapes.len() as u32;
         tables
@@ -285,18 +286,31 @@ impl Builder {
     }
 }
 
+/// Moves the items of one vector to the end of another; the first ones without a copy.
+fn append<T>(all: &mut Vec<T>, more: &mut Vec<T>) {
+    if all.is_empty() {
+        std::mem::swap(all, more);
+    } else {
+        all.append(more);
+    }
+}
+
 /// Moves a mesh into the world (or its group's space) and gives it the normals that it shall have there.
 fn transform_mesh(object: &Object, mesh: &mut Mesh, to_world: DMat4) -> Result<(), SceneError> {
     let normal_to_world = transform::inverse(&to_world)
         .map(|inverse| DMat3::from_mat4(inverse).transpose())
         .map_err(|e| object.property_error("to_world", e.to_string()))?;
     let wide = |v: &[f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
-    for p in &mut mesh.positions {
-        let moved = to_world.transform_point3(wide(p)).as_vec3();
-        if !moved.is_finite() {
-            return Err(object.error("to_world moves a vertex beyond the range of numbers"));
-        }
-        *p = moved.to_array();
+    let positions = mesh.positions.par_iter_mut().with_min_len(MIN_SHARE);
+    let all_finite = positions
+        .map(|p| {
+            let moved = to_world.transform_point3(wide(p)).as_vec3();
+            *p = moved.to_array();
+            moved.is_finite()
+        })
+        .all(|finite| finite);
+    if !all_finite {
+        return Err(object.error("to_world moves a vertex beyond the range of numbers"));
     }
     if mesh.face_normals {
         mesh.normals.clear();
@@ -304,12 +318,13 @@ fn transform_mesh(object: &Object, mesh: &mut Mesh, to_world: DMat4) -> Result<(
         // Angles are those in the world, so this comes after the transform.
         mesh.compute_vertex_normals();
     } else {
-        for n in &mut mesh.normals {
+        let normals = mesh.normals.par_iter_mut().with_min_len(MIN_SHARE);
+        normals.for_each(|n| {
             *n = (normal_to_world * wide(n))
                 .normalize_or_zero()
                 .as_vec3()
                 .to_array();
-        }
+        });
     }
     Ok(())
 }

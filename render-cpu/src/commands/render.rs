@@ -147,7 +147,12 @@ pub fn run_with(
         aovs = aovs.with(aov);
     }
     let options = args.options(&scene);
-    let settings = args.settings(&scene, &options, aovs)?;
+    let checkpoint = args.checkpoint.clone().or_else(|| args.resume.clone());
+    // Only checkpoints hold them, and the tables of a large scene take a while to read.
+    let settings = match checkpoint {
+        Some(_) => args.settings(&scene, &options, aovs)?,
+        None => Settings::new(),
+    };
     let (mut film, mut state) = match &args.resume {
         Some(path) => {
             let (progress, film) = load_checkpoint(path, &settings)?;
@@ -171,7 +176,6 @@ pub fn run_with(
 
     let stop = Arc::new(AtomicBool::new(false));
     install_handler(&stop);
-    let checkpoint = args.checkpoint.clone().or_else(|| args.resume.clone());
     let mut observer = RunObserver {
         report: ProgressReport::new(options.goal, state, quiet),
         checkpoint: checkpoint

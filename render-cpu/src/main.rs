@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use halflight::commands::terminal::{self, Verbosity};
-use halflight::commands::{compare, experiment, info, material, merge, render};
+use halflight::commands::{compare, experiment, info, material, merge, processor, render};
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -33,6 +33,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    processor::exit_unless_sufficient();
     let cli = Cli::parse();
     terminal::run(cli.verbosity, || run(cli))
 }

@@ -1,6 +1,7 @@
 //! The command `halflight-gpu`.
 
 use clap::{Parser, Subcommand};
+use halflight::commands::processor;
 use halflight::commands::terminal::{self, Verbosity};
 use halflight_spirv::commands::{bench, devices, render};
 use std::error::Error;
@@ -27,6 +28,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    processor::exit_unless_sufficient();
     let cli = Cli::parse();
     terminal::run(cli.verbosity, || run(cli))
 }

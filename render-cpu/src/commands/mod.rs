@@ -1,10 +1,11 @@
-//! The subcommands of `halflight`, one per file.
+//! The subcommands of `halflight`, one per file, and what they share.
 
 pub mod compare;
 pub mod experiment;
 pub mod info;
 pub mod material;
 pub mod merge;
+pub mod processor;
 pub mod render;
 mod render_observer;
 mod render_output;

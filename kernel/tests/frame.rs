@@ -20,11 +20,19 @@ fn unit() -> impl Strategy<Value = Vec3> {
 
 fn check(frame: &Frame, v: Vec3) -> Result<(), TestCaseError> {
     for (a, b) in [(frame.s, frame.t), (frame.t, frame.n), (frame.n, frame.s)] {
-        prop_assert!(a.dot(b).abs() < 8.0 * ULP, "{:?}: {}", frame, a.dot(b) / ULP);
+        prop_assert!(
+            a.dot(b).abs() < 8.0 * ULP,
+            "{:?}: {}",
+            frame,
+            a.dot(b) / ULP
+        );
         prop_assert!((a.length() - 1.0).abs() < 8.0 * ULP, "{frame:?}");
     }
     prop_assert!((frame.s.cross(frame.t) - frame.n).length() < 16.0 * ULP);
-    for there_and_back in [frame.to_world(frame.to_local(v)), frame.to_local(frame.to_world(v))] {
+    for there_and_back in [
+        frame.to_world(frame.to_local(v)),
+        frame.to_local(frame.to_world(v)),
+    ] {
         let error = (there_and_back - v).length() / v.length();
         prop_assert!(error < 16.0 * ULP, "{:?}: {}", frame, error / ULP);
     }

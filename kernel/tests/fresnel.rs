@@ -173,7 +173,8 @@ proptest! {
         }
         let (g, back) = fresnel_dielectric(cos_t, eta);
         prop_assert!((f - g).abs() < 4e-5, "{} {}", f, g);
-        prop_assert!((back - cos_i).abs() < 1e-5, "{} {}", back, cos_i);
+        // A rounding of 1 - cos^2, times eta^2, over the cosine itself.
+        prop_assert!((back - cos_i).abs() < 2e-5, "{} {}", back, cos_i);
     }
 
     #[test]

@@ -142,6 +142,9 @@ proptest! {
         if probability < 1e-3 || wi.dot(m).abs() < 0.1 || wo.dot(m).abs() < 0.1 {
             return Ok(());
         }
+        if m.z < 1e-3 {
+            return Ok(()); // on the horizon, where the half vector turns over between the differences' ends
+        }
         let want = jacobian(di, d_o, e);
         let got = p / (probability * up_normal);
         prop_assert!((got / want - 1.0).abs() < 1e-3, "{} {}", got, want);

@@ -16,7 +16,8 @@
 
 use super::microfacet::{self, Microfacets};
 use super::{
-    BsdfSample, Coat, Lobe, MAX_COATS, coat, event, frame_map, mode, model, null, rough_dielectric,
+    BsdfSample, Coat, Lobe, MAX_COATS, coat, diffuse, event, frame_map, mode, model, null,
+    rough_dielectric,
 };
 use crate::math::{Frame, Rgb, float};
 use crate::scene::{NONE, features, lobe_flag, lobe_kind};
@@ -142,6 +143,13 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f
         }
         let flip = is_flipped(lobe, wi);
         let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+        if lobe.kind == lobe_kind::DIFFUSE {
+            // The same without a choice for each: the commonest model is the cheapest.
+            return (
+                diffuse::eval(lobe, wi, wo) * float::abs(wo.z),
+                diffuse::pdf(lobe, wi, wo),
+            );
+        }
         return (
             model::eval(lobe, data, wi, wo) * float::abs(wo.z),
             model::pdf(lobe, data, wi, wo),
@@ -168,7 +176,12 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     }
     let flip = is_flipped(lobe, wi);
     if is_bare(lobe) {
-        let mut s = model::sample(lobe, data, mirrored(flip, wi), u1, u2);
+        let wi = mirrored(flip, wi);
+        let mut s = if lobe.kind == lobe_kind::DIFFUSE {
+            diffuse::sample(lobe, wi, u1, u2)
+        } else {
+            model::sample(lobe, data, wi, u1, u2)
+        };
         s.wo = mirrored(flip, s.wo);
         return s;
     }

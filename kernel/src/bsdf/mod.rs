@@ -15,6 +15,7 @@ pub mod frame_map;
 pub mod fresnel;
 pub mod lobe;
 pub mod local_roughness;
+pub mod lookup;
 pub mod merl;
 // Hosts build the table when a scene is built: it takes a tenth of a second.
 #[cfg(not(target_arch = "spirv"))]
@@ -33,7 +34,8 @@ pub mod thin_dielectric;
 
 pub use coat::Coat;
 pub use local_roughness::local_beckmann_roughness;
-pub use mixture::{Bsdf, null_transmittance};
+pub use lookup::null_transmittance;
+pub use mixture::Bsdf;
 
 use crate::math::{Frame, Rgb};
 use glam::{Vec2, Vec3};

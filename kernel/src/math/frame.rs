@@ -42,7 +42,8 @@ impl Frame {
     ///
     /// Orthonormal to a few roundings whatever the angle of the two: the part along `n` that rounding leaves in a small
     /// difference is taken off once more.
-    #[inline]
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn from_normal_tangent(n: Vec3, tangent: Vec3) -> Frame {
         let mut s = tangent - n * n.dot(tangent);
         let mut length2 = s.length_squared();

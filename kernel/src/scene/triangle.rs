@@ -65,14 +65,22 @@ impl Corners {
     };
 }
 
+/// Area of a triangle by its corners' positions.
+#[inline]
+pub(super) fn area([p0, p1, p2]: [Vec3; 3]) -> f32 {
+    0.5 * sqrt((p1 - p0).cross(p2 - p0).length_squared())
+}
+
 /// Whether the vertex normals of a mesh are to be interpolated.
 #[inline]
 pub(super) fn is_smooth(shape: &Shape) -> bool {
     shape.normal_offset != NONE && shape.flags & shape_flag::FACE_NORMALS == 0
 }
 
-#[inline]
-fn corners(tables: &Tables<'_>, primitive: u32) -> Corners {
+/// What the tables hold about a triangle.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(super) fn corners(tables: &Tables<'_>, primitive: u32) -> Corners {
     let triangle = &tables.triangles[primitive as usize];
     let shape = tables.shapes[triangle.shape as usize];
     let [i0, i1, i2] = triangle.vertices;
@@ -164,7 +172,7 @@ pub(super) fn triangle_point_of<const DETAIL: u32>(
     if DETAIL >= detail::TANGENTS {
         let map = UvMap::new(duv1, duv2, e1, e2, map_normal, inverse_area2);
         (dp_du, dp_dv) = (map.dp_du, map.dp_dv);
-        if !(is_moderate(dp_du) && is_moderate(dp_dv)) {
+        if !map.is_moderate {
             let frame = Frame::from_normal(geometric_normal);
             (dp_du, dp_dv) = (frame.s, frame.t);
         }
@@ -246,6 +254,8 @@ struct UvMap {
     dv: Vec2,
     dp_du: Vec3,
     dp_dv: Vec3,
+    /// Whether both tangents are, see [`is_moderate`].
+    is_moderate: bool,
 }
 
 impl UvMap {
@@ -259,7 +269,7 @@ impl UvMap {
             e1,
             e2,
         );
-        if abs(determinant) > 0.0 && is_moderate(map.dp_du) && is_moderate(map.dp_dv) {
+        if abs(determinant) > 0.0 && map.is_moderate {
             return map;
         }
         // Orthonormal tangents s, t written in the basis e1, e2: b1 = n . (s x e2) / |e1 x e2|, b2 = n . (e1 x s) / ...
@@ -275,11 +285,14 @@ impl UvMap {
 
     #[inline]
     fn from_columns(du: Vec2, dv: Vec2, e1: Vec3, e2: Vec3) -> UvMap {
+        let dp_du = e1 * du.x + e2 * du.y;
+        let dp_dv = e1 * dv.x + e2 * dv.y;
         UvMap {
             du,
             dv,
-            dp_du: e1 * du.x + e2 * du.y,
-            dp_dv: e1 * dv.x + e2 * dv.y,
+            dp_du,
+            dp_dv,
+            is_moderate: is_moderate(dp_du) && is_moderate(dp_dv),
         }
     }
 

@@ -20,7 +20,7 @@ use crate::math::{Frame, Rgb, float, vec3, warp};
 use crate::scene::quadric::quadric_point_with;
 use crate::scene::surface::detail;
 use crate::scene::texture::eval_rgb;
-use crate::scene::triangle::triangle_point_with;
+use crate::scene::triangle::{area, corners, triangle_point_of};
 use crate::scene::{NONE, Quadric, SurfacePoint, Tables, features, quadric_kind};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3};
@@ -81,12 +81,13 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
         let (triangle, u_x, pmf) =
             sample_cdf(tables.data, record.distribution, shape.primitive_count, u.x);
         let primitive = shape.first_primitive + triangle;
-        let area = triangle_area(tables, primitive);
+        let corners = corners(tables, primitive);
+        let area = area(corners.positions);
         if !(area > 0.0) {
             return DirectSample::NONE;
         }
         let b = warp::square_to_triangle(Vec2::new(u_x, u.y));
-        let point = triangle_point_with::<{ detail::NORMALS }>(tables, primitive, b.x, b.y);
+        let point = triangle_point_of::<{ detail::NORMALS }>(&corners, primitive, b.x, b.y);
         (towards(reference, &point, pmf / area), point)
     } else {
         let index = shape.first_primitive;
@@ -146,7 +147,7 @@ fn towards(reference: Vec3, point: &SurfacePoint, pdf_area: f32) -> DirectSample
     let to_light = point.position - reference;
     let distance = to_light.length();
     DirectSample {
-        direction: to_light / distance,
+        direction: to_light * (1.0 / distance),
         distance,
         pdf,
         ..DirectSample::NONE
@@ -172,10 +173,11 @@ fn per_solid_angle(reference: Vec3, point: &SurfacePoint, pdf_area: f32) -> f32 
 #[inline]
 fn triangle_area(tables: &Tables<'_>, primitive: u32) -> f32 {
     let [i0, i1, i2] = tables.triangles[primitive as usize].vertices;
-    let p0 = vec3(tables.positions[i0 as usize]);
-    let e1 = vec3(tables.positions[i1 as usize]) - p0;
-    let e2 = vec3(tables.positions[i2 as usize]) - p0;
-    0.5 * e1.cross(e2).length()
+    area([
+        vec3(tables.positions[i0 as usize]),
+        vec3(tables.positions[i1 as usize]),
+        vec3(tables.positions[i2 as usize]),
+    ])
 }
 
 /// Density per world area of uniform points of a canonical disk or cylinder, at the canonical point `p`.

@@ -1,0 +1,204 @@
+//! A material's records at a surface point: lobes with their parameters and weights looked up.
+//!
+//! A parameter is its value times the texture at the point, if it has one; roughnesses and exponents take a texture's
+//! luminance. A lobe's weight in the material is the product of its mixing factors, each clamped to [0, 1].
+
+use super::{Coat, Lobe, MAX_COATS, frame_map, microfacet, rough_transmittance};
+use crate::math::{Rgb, float, luminance, vec3};
+use crate::scene::{
+    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, features, lobe_flag,
+    lobe_kind,
+    texture::{eval_at_point, eval_rgb, eval_scalar},
+};
+use glam::{Vec2, Vec3};
+
+/// [`super::Bsdf::null_transmittance`] of the material of `point`, which depends on no direction, without the other lobes.
+#[inline]
+pub fn null_transmittance(tables: &Tables<'_>, point: &SurfacePoint) -> Rgb {
+    if point.material == NONE {
+        return Vec3::ZERO;
+    }
+    if !tables.has(features::lobe(lobe_kind::NULL)) {
+        return Vec3::ZERO;
+    }
+    let material = &tables.materials[point.material as usize];
+    let mut sum = 0.0;
+    for i in 0..material.lobe_count {
+        let record = &tables.lobes[(material.first_lobe + i) as usize];
+        if record.kind == lobe_kind::NULL {
+            sum += weight(tables, record, point);
+        }
+    }
+    Vec3::splat(float::abs(sum).min(1.0))
+}
+
+/// Product of a lobe's mixing factors.
+#[inline]
+pub(super) fn weight(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> f32 {
+    let mut product = 1.0;
+    if !tables.has(features::FACTORS) {
+        return product;
+    }
+    for i in 0..record.factor_count {
+        let factor = &tables.factors[(record.first_factor + i) as usize];
+        let value = eval_scalar(tables, &factor.parameter, point)
+            .max(0.0)
+            .min(1.0);
+        product *= if factor.complement != 0 {
+            1.0 - value
+        } else {
+            value
+        };
+    }
+    product
+}
+
+/// Makes `lobe` that of the record, with the parameters that its kind reads.
+pub(super) fn fill_lobe(
+    lobe: &mut Lobe,
+    tables: &Tables<'_>,
+    record: &LobeRecord,
+    point: &SurfacePoint,
+    wi: Vec3,
+    weight: f32,
+    mode: u32,
+) {
+    *lobe = Lobe::NONE;
+    lobe.kind = record.kind;
+    lobe.flags = record.flags;
+    lobe.weight = weight;
+    lobe.mode = mode;
+    if record.kind == lobe_kind::NULL {
+        return;
+    }
+    if tables.has(features::COATS) {
+        lobe.coat_count = record.coat_count.min(MAX_COATS as u32);
+        for i in 0..lobe.coat_count as usize {
+            lobe.coats[i] = coat_at(tables, &record.coats[i], point);
+        }
+    }
+    if tables.has(features::FRAME_MAPS) && record.frame != NONE {
+        // Two-sided lobes see wi mirrored to the front.
+        let flip = wi.z < 0.0 && record.flags & lobe_flag::FLIP_BACK != 0;
+        let wi = if flip {
+            Vec3::new(wi.x, wi.y, -wi.z)
+        } else {
+            wi
+        };
+        lobe.frame = frame_map::perturbed_frame(tables, record.frame, point, wi);
+        lobe.has_frame = true;
+    }
+    // Shaders have one place for all kinds, see `parameters`.
+    #[cfg(not(target_arch = "spirv"))]
+    if record.kind == lobe_kind::DIFFUSE {
+        lobe.reflectance = eval_rgb(tables, &record.reflectance, point);
+        return;
+    }
+    let p = parameters(tables, record, point);
+    if record.kind == lobe_kind::DIFFUSE {
+        lobe.reflectance = p[0];
+        return;
+    }
+    if record.kind == lobe_kind::ROUGH_DIFFUSE {
+        lobe.reflectance = p[0];
+        lobe.alpha = Vec2::splat(p[6].x);
+        return;
+    }
+    lobe.distribution = record.distribution;
+    if record.distribution == distribution::EXPONENTIAL_POWER {
+        lobe.exponent = p[8].x;
+    }
+    lobe.table = record.table;
+    lobe.table_rows = record.table_rows;
+    lobe.internal_reflectance = record.internal_reflectance;
+    if record.kind == lobe_kind::MERL {
+        return;
+    }
+    lobe.specular_reflectance = p[1];
+    lobe.eta = p[3];
+    match record.kind {
+        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => {
+            lobe.reflectance = p[0];
+            lobe.optical_depth = p[5];
+        }
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT => {}
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
+            lobe.k = p[4];
+        }
+        _ => lobe.specular_transmittance = p[2],
+    }
+    if record.kind == lobe_kind::ROUGH_CONDUCTOR
+        || record.kind == lobe_kind::DIFFRACTING_CONDUCTOR
+        || record.kind == lobe_kind::ROUGH_DIELECTRIC
+        || record.kind == lobe_kind::ROUGH_PLASTIC
+        || record.kind == lobe_kind::ROUGH_COAT
+    {
+        lobe.alpha = microfacet::clamp_alpha(Vec2::new(p[6].x, p[7].x));
+    }
+    if tables.has(features::lobe(lobe_kind::ROUGH_PLASTIC))
+        && record.kind == lobe_kind::ROUGH_PLASTIC
+        && record.table != NONE
+        && record.table_rows > 1
+    {
+        lobe.internal_reflectance = rough_transmittance::internal_reflectance(
+            tables.data,
+            record.table,
+            record.table_rows,
+            lobe.alpha.x,
+        );
+    }
+}
+
+/// The record's parameters at the point: reflectance, specular reflectance and transmittance, eta, k, optical depth, and
+/// in every channel the two roughnesses and the exponent. One loop over all, because shader compilers copy the texture
+/// lookup to every call.
+#[inline]
+fn parameters(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> [Rgb; 9] {
+    let mut values = [
+        vec3(record.reflectance.value),
+        vec3(record.specular_reflectance.value),
+        vec3(record.specular_transmittance.value),
+        vec3(record.eta.value),
+        vec3(record.k.value),
+        vec3(record.optical_depth.value),
+        Vec3::splat(record.alpha_u.value),
+        Vec3::splat(record.alpha_v.value),
+        Vec3::splat(record.exponent.value),
+    ];
+    let textures = [
+        record.reflectance.texture,
+        record.specular_reflectance.texture,
+        record.specular_transmittance.texture,
+        record.eta.texture,
+        record.k.texture,
+        record.optical_depth.texture,
+        record.alpha_u.texture,
+        record.alpha_v.texture,
+        record.exponent.texture,
+    ];
+    for i in 0..9 {
+        if tables.has(features::TEXTURES) && textures[i] != NONE {
+            let texel = eval_at_point(tables, textures[i], point);
+            values[i] *= if i < 6 {
+                texel
+            } else {
+                Vec3::splat(luminance(texel))
+            };
+        }
+    }
+    values
+}
+
+/// A coat with its parameters looked up.
+#[inline]
+fn coat_at(tables: &Tables<'_>, record: &CoatRecord, point: &SurfacePoint) -> Coat {
+    let mut coat = Coat::NONE;
+    coat.eta = record.eta;
+    coat.optical_depth = eval_rgb(tables, &record.optical_depth, point);
+    coat.table = record.table;
+    coat.table_rows = record.table_rows;
+    if record.table != NONE && record.table_rows > 1 {
+        coat.alpha = eval_scalar(tables, &record.alpha, point);
+    }
+    coat
+}

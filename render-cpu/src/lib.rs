@@ -45,3 +45,4 @@ pub mod png_output;
 pub mod progress;
 pub mod render;
 pub mod scene;
+mod tile_job;

@@ -7,13 +7,13 @@
 
 use crate::accel::Accel;
 use crate::adaptive;
-use crate::aov::{AovSample, AovSet};
-use crate::film::{Film, FilmError, FilmTile};
+use crate::aov::AovSet;
+use crate::film::{Film, FilmError};
 use crate::scene::build::Scene;
-use halflight_kernel::sampler::{IndependentSampler, Sampler, SobolSampler, sampler_kind};
+use crate::tile_job::TileJob;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::{self, IntegratorSettings, aov};
+use halflight_kernel::transport::IntegratorSettings;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -288,7 +288,7 @@ fn render_pass<T: Traverse + Sync>(
 ) {
     let width = film.width();
     let needs_surface = film.aovs().needs_surface();
-    let job = Job {
+    let job = TileJob {
         view,
         settings,
         sampler_kind,
@@ -296,72 +296,9 @@ fn render_pass<T: Traverse + Sync>(
         needs_surface,
     };
     film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
-        for y in tile.y()..tile.y() + tile.height() {
-            for x in tile.x()..tile.x() + tile.width() {
-                let count = match counts {
-                    Some(counts) => counts[y as usize * width as usize + x as usize],
-                    None => per_pixel,
-                };
-                job.sample_pixel(&mut tile, x, y, count);
-            }
-        }
+        job.sample_tile(&mut tile, |x, y| match counts {
+            Some(counts) => counts[y as usize * width as usize + x as usize],
+            None => per_pixel,
+        });
     });
-}
-
-/// What all tiles of a pass have in common.
-struct Job<'a, T: Traverse> {
-    view: &'a SceneView<'a, T>,
-    settings: &'a IntegratorSettings,
-    sampler_kind: u32,
-    options: &'a RenderOptions,
-    needs_surface: bool,
-}
-
-impl<T: Traverse> Job<'_, T> {
-    /// Adds the next `count` samples of a pixel.
-    fn sample_pixel(&self, tile: &mut FilmTile<'_>, x: u32, y: u32, count: u32) {
-        // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
-        if self.sampler_kind == sampler_kind::SOBOL {
-            self.sample_pixel_with(tile, x, y, count, SobolSampler::new);
-        } else {
-            self.sample_pixel_with(tile, x, y, count, IndependentSampler::new);
-        }
-    }
-
-    /// [`Self::sample_pixel`] with a sampler of (seed, pixel, sample).
-    fn sample_pixel_with<S: Sampler>(
-        &self,
-        tile: &mut FilmTile<'_>,
-        x: u32,
-        y: u32,
-        count: u32,
-        new: impl Fn(u32, u32, u32) -> S,
-    ) {
-        let camera = &self.view.tables.camera;
-        let absolute = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
-        let index = absolute[1]
-            .wrapping_mul(camera.film_size[0])
-            .wrapping_add(absolute[0]);
-        let mut pixel = tile.pixel_mut(x, y);
-        for _ in 0..count {
-            let sample = self
-                .options
-                .first_sample
-                .wrapping_add(pixel.statistics.count);
-            let sampler = || new(self.options.seed, index, sample);
-            let radiance =
-                transport::sample_pixel(self.view, self.settings, &mut sampler(), absolute);
-            pixel.add_sample(radiance);
-            if self.needs_surface {
-                let (features, _) = aov::sample_pixel(self.view, &mut sampler(), absolute);
-                pixel.add_aovs(&AovSample {
-                    albedo: features.albedo.to_array(),
-                    normal: features.normal.to_array(),
-                    depth: features.depth,
-                    position: features.position.to_array(),
-                    uv: features.uv.to_array(),
-                });
-            }
-        }
-    }
 }

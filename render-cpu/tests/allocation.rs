@@ -5,6 +5,7 @@ use halflight::scene::build::{BuildOptions, build_scene};
 use halflight::scene::xml::parse_scene;
 use halflight_kernel::sampler::AnySampler;
 use halflight_kernel::scene::SceneView;
+use halflight_kernel::transport::wave::Wave;
 use halflight_kernel::transport::{self, aov, integrator_kind};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -82,6 +83,18 @@ fn no_sample_of_any_integrator_allocates() {
             let made = allocations() - start;
             assert_eq!(made, 0, "{name}, integrator {kind}");
         }
+        let start = allocations();
+        let mut wave = Wave::<AnySampler, 32>::new();
+        for i in 0..2000 {
+            let mut sampler = AnySampler::new(0, 1, i, 0);
+            let pixel = [i * 7919 % width, i * 104_729 % height];
+            let sensor = transport::sensor_ray(&tables, &mut sampler, pixel);
+            wave.push(&sensor.ray, sampler);
+            if wave.is_full() {
+                wave.run(&view, &scene.settings);
+            }
+        }
+        assert_eq!(allocations() - start, 0, "{name}, waves");
     }
     assert!(allocations() > before, "the counter counts nothing");
 }

@@ -1,4 +1,5 @@
-//! Paths in stages, with their state in records, are the paths of the loops: the same numbers to the bit.
+//! Paths in stages, with their state in records, and paths side by side are the paths of the loops: the same numbers to
+//! the bit.
 
 use halflight::commands::scene_args::build_accel;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
@@ -6,7 +7,8 @@ use halflight::scene::xml::parse_scene_from_str;
 use halflight_kernel::sampler::{AnySampler, sampler_kind};
 use halflight_kernel::scene::{SceneView, Traverse};
 use halflight_kernel::transport::integrator_kind::DIRECT;
-use halflight_kernel::transport::{IntegratorSettings, sample_pixel, staged};
+use halflight_kernel::transport::wave::Wave;
+use halflight_kernel::transport::{IntegratorSettings, path, sample_pixel, sensor_ray, staged};
 use std::path::Path;
 
 /// Glass, a mask, plastic over rough metal, an area light behind a mask, a point light and the sky.
@@ -93,6 +95,52 @@ fn agrees(integrator: &str) {
         }
     }
     assert!(lit > 500, "{lit}");
+}
+
+/// Waves of any size, full or not, with paths of any length side by side.
+fn agrees_in_waves<const N: usize>(integrator: &str) {
+    let scene = scene(integrator);
+    let accel = build_accel(&scene);
+    let tables = scene.tables.view();
+    let traverse = accel.traverse(tables);
+    let view = SceneView {
+        tables,
+        traverse: &traverse,
+    };
+    let sampler = |pixel| AnySampler::new(sampler_kind::INDEPENDENT, 3, pixel, 2);
+    let mut wave = Wave::<AnySampler, N>::new();
+    let mut first = 0;
+    for pixel in 0..24 * 24 {
+        let mut numbers = sampler(pixel);
+        let sensor = sensor_ray(&tables, &mut numbers, [pixel % 24, pixel / 24]);
+        wave.push(&sensor.ray, numbers);
+        if !wave.is_full() && pixel != 24 * 24 - 1 {
+            continue;
+        }
+        let found = wave.run(&view, &scene.settings);
+        assert_eq!(found.len() as u32, pixel + 1 - first);
+        for (pixel, found) in (first..).zip(found) {
+            let mut numbers = sampler(pixel);
+            let sensor = sensor_ray(&tables, &mut numbers, [pixel % 24, pixel / 24]);
+            let expected = path::radiance(&view, &scene.settings, &mut numbers, &sensor.ray);
+            assert_eq!(found, expected, "pixel {pixel} of {integrator}");
+        }
+        first = pixel + 1;
+    }
+    assert_eq!(first, 24 * 24);
+}
+
+#[test]
+fn waves() {
+    for depth in [-1, 0, 1, 12] {
+        let integrator = format!(
+            r#"<integrator type="path"><integer name="max_depth" value="{depth}"/>
+            <integer name="rr_depth" value="2"/></integrator>"#
+        );
+        agrees_in_waves::<1>(&integrator);
+        agrees_in_waves::<7>(&integrator);
+        agrees_in_waves::<32>(&integrator);
+    }
 }
 
 #[test]

@@ -3,12 +3,13 @@
 //! Masks are looked through at random by their opacity, mirrors and glass are not followed. A ray that leaves the scene
 //! returns zeros with `hit` false.
 
+use super::sensor_ray;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb, luminance};
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
-use crate::scene::{SceneView, Traverse, camera};
+use crate::scene::{SceneView, Traverse};
 use glam::{Vec2, Vec3};
 
 /// Features of the first surface.
@@ -47,9 +48,7 @@ pub fn sample_pixel<T: Traverse, S: Sampler>(
     sampler: &mut S,
     pixel: [u32; 2],
 ) -> (SurfaceFeatures, f32) {
-    let u_film = sampler.next_2d();
-    let u_lens = sampler.next_2d();
-    let sample = camera::sample_ray(&view.tables, pixel, u_film, u_lens);
+    let sample = sensor_ray(&view.tables, sampler, pixel);
     (features(view, sampler, &sample.ray), sample.weight)
 }
 

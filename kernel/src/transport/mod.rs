@@ -10,10 +10,13 @@ pub mod direct;
 pub mod path;
 pub mod staged;
 pub mod visibility;
+#[cfg(not(target_arch = "spirv"))]
+pub mod wave;
 
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
-use crate::scene::{SceneView, Traverse, camera};
+use crate::scene::camera::{self, CameraSample};
+use crate::scene::{SceneView, Tables, Traverse};
 
 /// Which algorithm estimates a pixel.
 pub mod integrator_kind {
@@ -90,8 +93,18 @@ pub fn sample_pixel_with<T: Traverse, S: Sampler>(
     pixel: [u32; 2],
     radiance: impl FnOnce(&mut S, &Ray) -> Rgb,
 ) -> Rgb {
+    let sample = sensor_ray(&view.tables, sampler, pixel);
+    radiance(sampler, &sample.ray) * sample.weight
+}
+
+/// The ray from the sensor with which a sample of the pixel begins, by the sampler's first four numbers.
+#[inline]
+pub fn sensor_ray<S: Sampler>(
+    tables: &Tables<'_>,
+    sampler: &mut S,
+    pixel: [u32; 2],
+) -> CameraSample {
     let u_film = sampler.next_2d();
     let u_lens = sampler.next_2d();
-    let sample = camera::sample_ray(&view.tables, pixel, u_film, u_lens);
-    radiance(sampler, &sample.ray) * sample.weight
+    camera::sample_ray(tables, pixel, u_film, u_lens)
 }

@@ -17,13 +17,13 @@
 //! Invariant (tests): the mean does not depend on `rr_depth`, on the sampler or on which of the two techniques is used.
 
 use super::IntegratorSettings;
-use super::connection::{SampleCounts, connect, is_same_side, power_heuristic};
+use super::connection::{Connection, SampleCounts, connect, is_same_side, power_heuristic};
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
 use crate::bsdf::{Bsdf, BsdfSample, event, mode, null_transmittance};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
-use crate::scene::{NONE, SceneView, SurfacePoint, Tables, Traverse, emitter};
+use crate::scene::{Hit, NONE, SceneView, SurfacePoint, Tables, Traverse, emitter};
 use glam::Vec3;
 
 /// Highest probability of survival, so that a lossless chain ends too.
@@ -251,6 +251,72 @@ impl Path {
     }
 }
 
+/// Light that an emitter sample adds to a path unless something stands in its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// What the surface reflects of it, and the segment to the emitter.
+    pub connection: Connection,
+    /// The path's throughput where it arrives.
+    pub throughput: Rgb,
+}
+
+impl Arrival {
+    /// No light.
+    pub const NONE: Arrival = Arrival {
+        connection: Connection::NONE,
+        throughput: Rgb::ZERO,
+    };
+
+    /// The light that is not in a shadow.
+    #[inline]
+    pub fn unshadowed<T: Traverse>(&self, view: &SceneView<'_, T>) -> Rgb {
+        let Connection { radiance, ray } = self.connection;
+        self.throughput * (radiance * transmittance(view, ray))
+    }
+}
+
+impl Path {
+    /// One bounce, from what the path's ray meets to its next ray: gathers emission, samples an emitter into `light`, and
+    /// scatters. Says what is next, [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
+    #[inline]
+    pub fn bounce<S: Sampler>(
+        &mut self,
+        tables: &Tables<'_>,
+        settings: &IntegratorSettings,
+        sampler: &mut S,
+        hit: &Hit,
+        bsdf: &mut Bsdf,
+        light: &mut Arrival,
+    ) -> u32 {
+        light.connection.radiance = Rgb::ZERO;
+        if !hit.is_hit() {
+            self.escape(tables, settings);
+            return step::END;
+        }
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &self.ray, hit);
+        let next = self.arrive(tables, settings, &point);
+        if next != step::SCATTER {
+            return next;
+        }
+        let wi = self.local_direction(&point);
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
+        if bsdf.has_smooth() {
+            let strict = settings.strict_normals != 0;
+            let counts = SampleCounts::ONE;
+            *light = Arrival {
+                connection: connect(tables, sampler, &point, bsdf, wi, strict, counts),
+                throughput: self.throughput,
+            };
+        }
+        let next = self.scatter(tables, settings, sampler, &point, bsdf, wi);
+        if self.may_go_on(settings) {
+            next
+        } else {
+            step::END
+        }
+    }
+}
+
 /// Radiance along `ray`, one sample.
 pub fn radiance<T: Traverse, S: Sampler>(
     view: &SceneView<'_, T>,
@@ -258,44 +324,17 @@ pub fn radiance<T: Traverse, S: Sampler>(
     sampler: &mut S,
     ray: &Ray,
 ) -> Rgb {
-    let tables = &view.tables;
     let mut path = Path::new(ray);
     let mut bsdf = Bsdf::BLACK;
-
-    while path.may_go_on(settings) {
+    let mut light = Arrival::NONE;
+    let mut goes_on = path.may_go_on(settings);
+    while goes_on {
         let hit = view.traverse.closest_hit(&path.ray);
-        if !hit.is_hit() {
-            path.escape(tables, settings);
-            break;
+        let next = path.bounce(&view.tables, settings, sampler, &hit, &mut bsdf, &mut light);
+        if light.connection.is_some() {
+            path.radiance += light.unshadowed(view);
         }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &path.ray, &hit);
-        let next = path.arrive(tables, settings, &point);
-        if next == step::TRACE {
-            continue;
-        }
-        if next == step::END {
-            break;
-        }
-        let wi = path.local_direction(&point);
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        if bsdf.has_smooth() {
-            let light = connect(
-                tables,
-                sampler,
-                &point,
-                &bsdf,
-                wi,
-                settings.strict_normals != 0,
-                SampleCounts::ONE,
-            );
-            if light.is_some() {
-                path.radiance +=
-                    path.throughput * (light.radiance * transmittance(view, light.ray));
-            }
-        }
-        if path.scatter(tables, settings, sampler, &point, &bsdf, wi) == step::END {
-            break;
-        }
+        goes_on = next != step::END;
     }
     path.radiance
 }

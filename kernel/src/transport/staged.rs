@@ -18,15 +18,15 @@
 use super::IntegratorSettings;
 use super::connection::{Connection, SampleCounts, choose, skip_choice, weigh};
 use super::direct;
-use super::integrator_kind;
 use super::path::{Path, Scattering, step};
 use super::visibility::transmittance;
+use super::{integrator_kind, sensor_ray};
 use crate::bsdf::{Bsdf, BsdfSample, mode};
 use crate::math::{Ray, Rgb, vec3};
 use crate::sampler::{AnySampler, Sampler};
 use crate::scene::emitter::DirectSample;
 use crate::scene::surface::{detail, surface_with};
-use crate::scene::{Hit, SceneView, SurfacePoint, Tables, Traverse, camera};
+use crate::scene::{Hit, SceneView, SurfacePoint, Tables, Traverse};
 use bytemuck::{Pod, Zeroable};
 
 /// A ray as plain numbers.
@@ -217,9 +217,7 @@ pub fn begin(
     pixel: [u32; 2],
 ) -> PathRecord {
     let mut sampler = sampler;
-    let u_film = sampler.next_2d();
-    let u_lens = sampler.next_2d();
-    let sample = camera::sample_ray(tables, pixel, u_film, u_lens);
+    let sample = sensor_ray(tables, &mut sampler, pixel);
     let path = Path::new(&sample.ray);
     let ray = RayRecord::new(&sample.ray);
     let mut record = PathRecord {

@@ -3,8 +3,8 @@
 //! Group 0 is the world; its tree holds its own triangles and quadrics and, as further primitives, the instances, each of
 //! which leads into the tree of the group that it places. Triangles lie in the order of the tree's leaves, eight side
 //! by side, and are tested together ([`block`]). Intersections are those of
-//! [`halflight_kernel::scene::intersect`], with the same rounding: the CPU and a shader find the same hit, but for
-//! surfaces that coincide, of which each keeps the one that its tree meets first.
+//! [`halflight_kernel::scene::intersect`], with the same rounding: the CPU and a shader find the same hit, also
+//! where surfaces coincide (see [`halflight_kernel::scene::Traverse::closest_hit`]).
 //!
 //! Primitives with NaN, infinite or absurd coordinates (beyond [`build::MAX_COORDINATE`]) are left out and counted; rays
 //! that are not finite miss. Checked: the same hits as a search of all primitives and as the kernel's BVH2 walk.

@@ -34,11 +34,26 @@ impl Hit {
     pub fn is_hit(&self) -> bool {
         self.t < f32::MAX
     }
+
+    /// Whether an intersection comes before this one in the order of [`Traverse::closest_hit`]; one at [`f32::MAX`], which
+    /// is a miss, comes before none.
+    #[inline]
+    pub fn is_behind(&self, t: f32, primitive: u32, instance: u32) -> bool {
+        let is_lower =
+            primitive < self.primitive || (primitive == self.primitive && instance < self.instance);
+        t < self.t || (t == self.t && self.is_hit() && is_lower)
+    }
 }
+
+/// How far beyond its nearest hit a traverser looks, as a factor: boxes at the same distance are visited still, though
+/// their distances were rounded otherwise, because an intersection in them may come first in the order.
+pub const REACH: f32 = 1.0 + 1e-6;
 
 /// A ray tracer over the scene's primitives.
 pub trait Traverse {
-    /// The nearest intersection with `t_min < t < t_max`.
+    /// The nearest intersection with `t_min < t < t_max`. Of several at the very same `t` it is the one with the lowest
+    /// primitive, and of those the one in the lowest instance: where surfaces coincide, what is hit depends neither on
+    /// the tree nor on the order in which it is walked.
     fn closest_hit(&self, ray: &Ray) -> Hit;
     /// Whether anything lies in `t_min < t < t_max`.
     fn is_occluded(&self, ray: &Ray) -> bool;

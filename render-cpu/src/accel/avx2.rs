@@ -214,7 +214,13 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn nearest(block: &TriangleBlock, ray: &WideRay, places: u32, t_max: f32) -> BlockHit {
+    fn nearest(
+        block: &TriangleBlock,
+        name: impl Fn(usize) -> u32,
+        ray: &WideRay,
+        places: u32,
+        t_max: f32,
+    ) -> BlockHit {
         let (ax, ay, az) = vertex(block, ray, 0);
         let (bx, by, bz) = vertex(block, ray, 1);
         let (cx, cy, cz) = vertex(block, ray, 2);
@@ -281,7 +287,7 @@ impl Lanes for Avx2 {
         while hits != 0 {
             let other = hits.trailing_zeros() as usize & (BLOCK - 1);
             hits &= hits - 1;
-            if t[other] < t[place] {
+            if t[other] < t[place] || (t[other] == t[place] && name(other) < name(place)) {
                 place = other;
             }
         }

@@ -60,20 +60,25 @@ impl BlockHit {
     };
 }
 
-/// The nearest hit in (t_min, t_max) among the places whose bits are set in `places`.
+/// The nearest hit in (t_min, t_max) among the places whose bits are set in `places`, of several at the very same distance
+/// the one with the lowest `name`.
 #[inline(always)]
-pub fn portable(block: &TriangleBlock, ray: &BlockRay, places: u32, t_max: f32) -> BlockHit {
-    let mut hit = BlockHit {
-        t: t_max,
-        ..BlockHit::MISS
-    };
+pub fn portable(
+    block: &TriangleBlock,
+    name: impl Fn(usize) -> u32,
+    ray: &BlockRay,
+    places: u32,
+    t_max: f32,
+) -> BlockHit {
+    let mut hit = BlockHit::MISS;
     let mut candidates = places & candidates(block, ray);
     while candidates != 0 {
         let place = candidates.trailing_zeros() as usize;
         candidates &= candidates - 1;
         let [p0, p1, p2] = block.vertices(place);
-        let found = intersect_triangle(&ray.sheared, p0, p1, p2, ray.t_min, hit.t);
-        if found.t < hit.t {
+        let found = intersect_triangle(&ray.sheared, p0, p1, p2, ray.t_min, t_max);
+        let is_first = found.t == hit.t && hit.place < BLOCK && name(place) < name(hit.place);
+        if found.t < hit.t || is_first {
             hit = BlockHit {
                 t: found.t,
                 b1: found.b1,

@@ -17,8 +17,15 @@ pub trait Lanes {
     /// The children of a node that the ray meets in (t_min, t_max).
     fn children(node: &CwBvhNode, ray: &Self::Ray, t_max: f32) -> Children;
 
-    /// The nearest hit in (t_min, t_max) among the triangles whose bits are set in `places`.
-    fn nearest(block: &TriangleBlock, ray: &Self::Ray, places: u32, t_max: f32) -> BlockHit;
+    /// The nearest hit in (t_min, t_max) among the triangles whose bits are set in `places`, of several at the very same
+    /// distance the one with the lowest `name`.
+    fn nearest(
+        block: &TriangleBlock,
+        name: impl Fn(usize) -> u32,
+        ray: &Self::Ray,
+        places: u32,
+        t_max: f32,
+    ) -> BlockHit;
 }
 
 /// A ray for processors without wide vectors.
@@ -49,8 +56,14 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn nearest(block: &TriangleBlock, ray: &NarrowRay, places: u32, t_max: f32) -> BlockHit {
-        block::portable(block, &ray.block, places, t_max)
+    fn nearest(
+        block: &TriangleBlock,
+        name: impl Fn(usize) -> u32,
+        ray: &NarrowRay,
+        places: u32,
+        t_max: f32,
+    ) -> BlockHit {
+        block::portable(block, name, &ray.block, places, t_max)
     }
 }
 
@@ -74,8 +87,14 @@ impl Lanes for Sse2 {
     }
 
     #[inline(always)]
-    fn nearest(block: &TriangleBlock, ray: &NarrowRay, places: u32, t_max: f32) -> BlockHit {
-        Portable::nearest(block, ray, places, t_max)
+    fn nearest(
+        block: &TriangleBlock,
+        name: impl Fn(usize) -> u32,
+        ray: &NarrowRay,
+        places: u32,
+        t_max: f32,
+    ) -> BlockHit {
+        Portable::nearest(block, name, ray, places, t_max)
     }
 }
 

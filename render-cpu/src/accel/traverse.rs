@@ -15,6 +15,7 @@ use super::{Accel, Group};
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::{transform_point, transform_vector};
 use halflight_kernel::scene::intersect::{intersect_quadric, is_traceable};
+use halflight_kernel::scene::traverse::REACH;
 use halflight_kernel::scene::{Hit, Tables, Traverse};
 use std::mem::MaybeUninit;
 
@@ -33,7 +34,21 @@ pub struct CpuTraverse<'a> {
 /// The nearest hit so far.
 struct Nearest {
     hit: Hit,
+    /// Where the search ends: a little beyond the hit.
     t_max: f32,
+}
+
+impl Nearest {
+    /// Keeps a hit if it comes first; whether it does.
+    #[inline(always)]
+    fn keep(&mut self, hit: Hit) -> bool {
+        let is_first = self.hit.is_behind(hit.t, hit.primitive, hit.instance);
+        if is_first {
+            self.t_max = hit.t * REACH;
+            self.hit = hit;
+        }
+        is_first
+    }
 }
 
 impl<'a> CpuTraverse<'a> {
@@ -90,18 +105,14 @@ impl<'a> CpuTraverse<'a> {
                 local.t_min,
                 nearest.t_max,
             );
-            if t < nearest.t_max {
-                nearest.t_max = t;
-                nearest.hit = Hit {
-                    t,
-                    b1: 0.0,
-                    b2: 0.0,
-                    primitive,
-                    instance,
-                };
-                return ANY;
-            }
-            return false;
+            let is_first = nearest.keep(Hit {
+                t,
+                b1: 0.0,
+                b2: 0.0,
+                primitive,
+                instance,
+            });
+            return ANY && is_first;
         }
         if WORLD {
             let instance = index - self.tables.quadrics.len();
@@ -207,17 +218,17 @@ fn walk<T: Lanes, const ANY: bool, const MIXED: bool>(
             if in_block != 0 {
                 let block = first / BLOCK;
                 let triangles = &group.blocks[block];
-                let found = T::nearest(triangles, ray, in_block, nearest.t_max);
+                let name = |place: usize| group.primitives[first + place];
+                let found = T::nearest(triangles, name, ray, in_block, nearest.t_max);
                 if found.place < BLOCK {
-                    nearest.t_max = found.t;
-                    nearest.hit = Hit {
+                    let is_first = nearest.keep(Hit {
                         t: found.t,
                         b1: found.b1,
                         b2: found.b2,
-                        primitive: group.primitives[first + found.place],
+                        primitive: name(found.place),
                         instance,
-                    };
-                    if ANY {
+                    });
+                    if ANY && is_first {
                         return true;
                     }
                 }

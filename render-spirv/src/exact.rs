@@ -4,8 +4,8 @@
 //! `NoContraction` (SPIR-V specification, section 3.20). The compiler decorates nothing, so `build-shaders` does it for
 //! every result of floating-point arithmetic: the triangle test is watertight only if the two products of an edge function
 //! are rounded by themselves (`halflight_kernel::scene::intersect`), and a path through several layers of glass ends where
-//! the processor's path ends only if nothing is rounded otherwise. What is left to differ are functions like the sine,
-//! of which a device has its own.
+//! the processor's path ends only if nothing is rounded otherwise. Functions like the sine are the kernel's own
+//! ([`halflight_kernel::math::elementary`]); what is left to differ is the last bits of quotients and roots.
 
 use crate::module::instructions;
 use std::collections::HashSet;

@@ -1,7 +1,13 @@
-//! The one place where float functions are chosen: std on hosts that enable it, libm elsewhere.
+//! The one place where float functions are chosen.
 //!
-//! rust-gpu replaces libm's names by the shader's own instructions, so the libm branch serves both plain `no_std`
-//! targets and shaders. No function here panics; each returns a finite value for finite input inside its domain.
+//! Those that are exactly rounded everywhere come from std on hosts that enable it and from libm elsewhere, whose names
+//! rust-gpu replaces by the shader's own instructions (a root of a device may be off by 2.5 ulp). All others are our own:
+//! [`super::elementary`] and, for what is imprecise or missing otherwise, the polynomials here. No function panics; each
+//! returns a finite value for finite input inside its domain.
+
+pub use super::elementary::{
+    atan, cos, exp, ln, pow, sin, sin_cos, sin_cos_octant, sin_cos_turns, tan,
+};
 
 /// A polynomial by Horner's rule, coefficients from that of `x^0` on. Written out, because a shader compiler would store
 /// a table anew at each use.
@@ -34,18 +40,6 @@ macro_rules! unary {
 unary! {
     /// Square root; the caller keeps `x >= 0` (see [`safe_sqrt`]).
     sqrt => sqrtf;
-    /// Sine of radians.
-    sin => sinf;
-    /// Cosine of radians.
-    cos => cosf;
-    /// Tangent of radians.
-    tan => tanf;
-    /// Arc tangent.
-    atan => atanf;
-    /// Exponential.
-    exp => expf;
-    /// Natural logarithm; the caller keeps `x > 0`.
-    ln => logf;
     /// Smallest integer not below `x`.
     ceil => ceilf;
     /// Absolute value.
@@ -93,8 +87,12 @@ pub fn atan2(y: f32, x: f32) -> f32 {
         return 0.0;
     }
     let t = small / large;
-    let mut angle = t
-        * polynomial!(t * t; 1.0, -0.333330721, 0.199926198, -0.142036438, 0.106409289, -0.075042814, 0.0426913425, -0.0160685088, 0.00284985756);
+    let z = t * t;
+    let z2 = z * z;
+    let low = (1.0 - z * 0.333_330_72) + z2 * (0.199_926_2 - z * 0.142_036_44);
+    let high = (0.106_409_29 - z * 0.075_042_814) + z2 * (0.042_691_343 - z * 0.016_068_509);
+    let z4 = z2 * z2;
+    let mut angle = t * (low + z4 * (high + z4 * 0.002_849_857_6));
     if is_steep {
         angle = core::f32::consts::FRAC_PI_2 - angle;
     }
@@ -102,20 +100,6 @@ pub fn atan2(y: f32, x: f32) -> f32 {
         angle = core::f32::consts::PI - angle;
     }
     with_sign_of(angle, y)
-}
-
-/// `x` to the power `y` for `x >= 0`; a negative base is taken as zero, because shaders leave it undefined.
-#[inline]
-pub fn pow(x: f32, y: f32) -> f32 {
-    let x = if x > 0.0 { x } else { 0.0 };
-    #[cfg(feature = "std")]
-    {
-        x.powf(y)
-    }
-    #[cfg(not(feature = "std"))]
-    {
-        libm::powf(x, y)
-    }
 }
 
 /// Square.
@@ -128,12 +112,6 @@ pub fn sqr(x: f32) -> f32 {
 #[inline]
 pub fn safe_sqrt(x: f32) -> f32 {
     sqrt(if x > 0.0 { x } else { 0.0 })
-}
-
-/// `sin` and `cos` together.
-#[inline]
-pub fn sin_cos(x: f32) -> (f32, f32) {
-    (sin(x), cos(x))
 }
 
 /// Fused name for `a + t (b - a)`.
@@ -168,7 +146,7 @@ pub fn exp_m1(x: f32) -> f32 {
 
 /// `ln(1 + x)` without its cancellation near zero, for `x > -1`; relative error below 3e-7.
 ///
-/// `2 artanh(s)` with `s = x / (2 + x)` below 0.35; the logarithm of a device is exact only away from one.
+/// `2 artanh(s)` with `s = x / (2 + x)` below 0.35; `1 + x` would lose the digits of a small `x`.
 #[cfg_attr(not(target_arch = "spirv"), inline)]
 pub fn ln_1p(x: f32) -> f32 {
     if abs(x) < 0.35 {

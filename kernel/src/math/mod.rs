@@ -6,6 +6,7 @@ pub mod block_elimination;
 pub mod block_tridiagonal;
 pub mod disk_lobe;
 pub mod distribution;
+pub mod elementary;
 pub mod filter;
 pub mod float;
 pub mod frame;

@@ -10,8 +10,7 @@
 //! to one, chi-square of samples.
 
 use super::disk_lobe::{turn, turn_back};
-use super::float::{exp, ln_1p, safe_sqrt, sin_cos};
-use core::f32::consts::TAU;
+use super::float::{exp, ln_1p, safe_sqrt, sin_cos_turns};
 use glam::Vec2;
 
 /// Deviations below are none.
@@ -33,7 +32,7 @@ impl SlopeGaussian {
     #[inline]
     pub fn sample(&self, u: Vec2) -> Vec2 {
         let r = safe_sqrt(-2.0 * ln_1p(-u.x.min(0.999_999_94)));
-        let (s, c) = sin_cos(TAU * u.y);
+        let (s, c) = sin_cos_turns(u.y);
         self.center
             + turn(
                 self.axis,

@@ -6,7 +6,7 @@
 //! density of its map; each map stays inside its domain for the corners of the square.
 
 use super::float;
-use core::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI};
+use core::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 use glam::{Vec2, Vec3};
 
 /// Uniform point of the unit disk by the concentric map (Shirley and Chiu 1997, "A Low Distortion Map Between Disk
@@ -19,12 +19,14 @@ pub fn square_to_disk(u: Vec2) -> Vec2 {
         return Vec2::ZERO;
     }
     // The radius runs along the longer axis, the angle is the ratio of the shorter to the longer times pi / 4.
-    if x * x > y * y {
-        let (s, c) = float::sin_cos(FRAC_PI_4 * (y / x));
-        Vec2::new(x * c, x * s)
+    let is_wide = x * x > y * y;
+    let (long, short) = if is_wide { (x, y) } else { (y, x) };
+    let (s, c) = float::sin_cos_octant(FRAC_PI_4 * (short / long));
+    let (along, across) = (long * c, long * s);
+    if is_wide {
+        Vec2::new(along, across)
     } else {
-        let (s, c) = float::sin_cos(FRAC_PI_4 * (x / y));
-        Vec2::new(y * s, y * c)
+        Vec2::new(across, along)
     }
 }
 
@@ -53,7 +55,7 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
 /// Unit vector at height `z` in [-1, 1] with the azimuth `2 pi phi`.
 #[inline]
 fn at_height(z: f32, sin_theta: f32, phi: f32) -> Vec3 {
-    let (s, c) = float::sin_cos(2.0 * PI * phi);
+    let (s, c) = float::sin_cos_turns(phi);
     Vec3::new(c * sin_theta, s * sin_theta, z)
 }
 

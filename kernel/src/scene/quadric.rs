@@ -18,7 +18,7 @@ use crate::math::Frame;
 use crate::math::affine::{
     transform_magnitude, transform_normal, transform_point, transform_vector, translation,
 };
-use crate::math::float::{atan2, sin_cos, sqrt};
+use crate::math::float::{atan2, sin_cos_turns, sqrt};
 use core::f32::consts::{FRAC_1_PI, PI, TAU};
 use glam::{Vec2, Vec3};
 
@@ -41,14 +41,14 @@ struct Canonical {
 pub fn quadric_point(tables: &Tables<'_>, quadric: u32, u: f32, v: f32) -> SurfacePoint {
     let kind = tables.quadrics[quadric as usize].kind;
     let canonical = if kind == quadric_kind::SPHERE {
-        let (sin_phi, cos_phi) = sin_cos(TAU * u);
-        let (sin_theta, cos_theta) = sin_cos(PI * v);
+        let (sin_phi, cos_phi) = sin_cos_turns(u);
+        let (sin_theta, cos_theta) = sin_cos_turns(0.5 * v);
         sphere(cos_phi, sin_phi, sin_theta, cos_theta, Vec2::new(u, v))
     } else if kind == quadric_kind::DISK {
-        let (sin_phi, cos_phi) = sin_cos(TAU * v);
+        let (sin_phi, cos_phi) = sin_cos_turns(v);
         disk(cos_phi, sin_phi, Vec2::new(u, v))
     } else {
-        let (sin_phi, cos_phi) = sin_cos(TAU * u);
+        let (sin_phi, cos_phi) = sin_cos_turns(u);
         cylinder(cos_phi, sin_phi, Vec2::new(u, v))
     };
     to_group::<{ detail::CURVATURE }>(tables, quadric, canonical)

@@ -39,8 +39,6 @@ pub fn load(
 pub struct Difference {
     /// Mean absolute difference over the mean.
     pub mean: f64,
-    /// The same without the pixels outside 1 %.
-    pub mean_inside: f64,
     /// Share of the pixels of which a channel is off by more than 1 %.
     pub outside: f64,
     /// Pixels that are not finite on the device.
@@ -97,20 +95,14 @@ pub fn compare(device: &Arc<Device>, scene: &Scene, spp: u32) -> Result<Differen
     }
     .pass(&mut on_cpu, spp, None)
     .map_err(|e| format!("{e}"))?;
-    let (mut difference_inside, mut sum_inside) = (0.0, 0.0);
     let (mut difference, mut sum, mut outside, mut not_finite) = (0.0, 0.0, 0, 0);
     for (a, b) in on_device.mean().iter().zip(&on_cpu.mean()) {
         not_finite += usize::from(a.iter().any(|x| !x.is_finite()));
         let off = |c: usize| (a[c] - b[c]).abs() > 0.01 * b[c].abs().max(1e-3);
-        let is_outside = (0..3).any(off);
-        outside += usize::from(is_outside);
+        outside += usize::from((0..3).any(off));
         for c in 0..3 {
             difference += (a[c] - b[c]).abs();
             sum += b[c].abs();
-            if !is_outside {
-                difference_inside += (a[c] - b[c]).abs();
-                sum_inside += b[c].abs();
-            }
         }
     }
     if sum == 0.0 {
@@ -118,7 +110,6 @@ pub fn compare(device: &Arc<Device>, scene: &Scene, spp: u32) -> Result<Differen
     }
     Ok(Difference {
         mean: difference / sum,
-        mean_inside: difference_inside / f64::max(sum_inside, f64::MIN_POSITIVE),
         outside: outside as f64 / f64::from(width * height),
         not_finite,
         ready,

@@ -6,7 +6,7 @@
 //! visible normals. The callers in [`super`] clamp `alpha`, check sides, and stretch to unit roughness.
 
 use crate::math::float::{
-    abs, erf_inv, erfc_scaled, exp, ln, ln_1p, safe_sqrt, sin_cos, sqr, sqrt,
+    abs, erf_inv, erfc_scaled, exp, ln, ln_1p, safe_sqrt, sin_cos_turns, sqr, sqrt,
 };
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
@@ -101,7 +101,7 @@ fn visible_slope(u: f32, gaussian: f32, cos: f32, sin: f32) -> f32 {
 /// A slope with density `exp(-s^2) / pi`.
 #[inline]
 pub fn sample_slope(u: Vec2) -> Vec2 {
-    let (sin_phi, cos_phi) = sin_cos(2.0 * PI * u.x);
+    let (sin_phi, cos_phi) = sin_cos_turns(u.x);
     let r = sqrt(-ln_1p(-u.y.min(0.999_999_94)));
     Vec2::new(r * cos_phi, r * sin_phi)
 }

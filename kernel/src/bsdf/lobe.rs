@@ -19,7 +19,7 @@ use super::{
     BsdfSample, Coat, Lobe, MAX_COATS, coat, diffuse, event, frame_map, mode, model, null,
     rough_dielectric,
 };
-use crate::math::{Frame, Rgb, float};
+use crate::math::{Frame, Rgb, float, select};
 use crate::scene::{NONE, features, lobe_flag, lobe_kind};
 use glam::{Vec2, Vec3};
 pub use model::events;
@@ -111,7 +111,13 @@ pub fn has_delta(lobe: &Lobe) -> bool {
 /// Whether the lobe exists for `wi`.
 #[inline]
 pub fn is_active(flags: u32, wi: Vec3) -> bool {
-    (wi.z > 0.0 && flags & lobe_flag::FRONT != 0) || (wi.z < 0.0 && flags & lobe_flag::BACK != 0)
+    // Without a branch on the side, which is often random.
+    let side = select(
+        wi.z > 0.0,
+        lobe_flag::FRONT,
+        select(wi.z < 0.0, lobe_flag::BACK, 0),
+    );
+    flags & side != 0
 }
 
 /// The value times the cosine of the lobe's normal with `wo`; the discrete part is not in it.
@@ -237,7 +243,7 @@ fn is_bare(lobe: &Lobe) -> bool {
 /// `w` with its z negated if `flip`.
 #[inline]
 fn mirrored(flip: bool, w: Vec3) -> Vec3 {
-    if flip { Vec3::new(w.x, w.y, -w.z) } else { w }
+    Vec3::new(w.x, w.y, select(flip, -w.z, w.z))
 }
 
 /// Both directions in the frame of the model; the second is invalid where the lobe is zero.

@@ -5,6 +5,8 @@
 //! difference of the stored words: sampling and density agree exactly, whatever the rounding of the table.
 //! Invariant (tests): `fill_cdf` gives every positive weight a positive probability and every zero weight none.
 
+use super::select::select;
+
 /// The probability of index `i` in the table at `offset`.
 #[inline]
 pub fn cdf_pmf(data: &[f32], offset: u32, i: u32) -> f32 {
@@ -41,11 +43,9 @@ fn search(data: &[f32], offset: u32, low: u32, high: u32, u: f32) -> (u32, f32, 
     let (mut low, mut high) = (low, high);
     while low < high {
         let middle = (low + high) / 2;
-        if data[(offset + middle) as usize] > u {
-            high = middle;
-        } else {
-            low = middle + 1;
-        }
+        let is_above = data[(offset + middle) as usize] > u;
+        high = select(is_above, middle, high);
+        low = select(is_above, low, middle + 1);
     }
     let lower = if low == 0 {
         0.0

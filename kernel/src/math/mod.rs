@@ -13,12 +13,14 @@ pub mod frame;
 pub mod moebius;
 pub mod ray;
 pub mod scaled;
+pub mod select;
 pub mod slope_gaussian;
 pub mod statistics;
 pub mod warp;
 
 pub use frame::Frame;
 pub use ray::Ray;
+pub use select::select;
 
 /// Linear RGB with sRGB primaries.
 pub type Rgb = glam::Vec3;

@@ -6,6 +6,7 @@
 //! density of its map; each map stays inside its domain for the corners of the square.
 
 use super::float;
+use super::select::select;
 use core::f32::consts::{FRAC_1_PI, FRAC_PI_4};
 use glam::{Vec2, Vec3};
 
@@ -20,14 +21,13 @@ pub fn square_to_disk(u: Vec2) -> Vec2 {
     }
     // The radius runs along the longer axis, the angle is the ratio of the shorter to the longer times pi / 4.
     let is_wide = x * x > y * y;
-    let (long, short) = if is_wide { (x, y) } else { (y, x) };
+    let (long, short) = (select(is_wide, x, y), select(is_wide, y, x));
     let (s, c) = float::sin_cos_octant(FRAC_PI_4 * (short / long));
     let (along, across) = (long * c, long * s);
-    if is_wide {
-        Vec2::new(along, across)
-    } else {
-        Vec2::new(across, along)
-    }
+    Vec2::new(
+        select(is_wide, along, across),
+        select(is_wide, across, along),
+    )
 }
 
 /// Density per area of [`square_to_disk`].
@@ -106,11 +106,8 @@ pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
 /// Between Triangle and Square").
 #[inline]
 pub fn square_to_triangle(u: Vec2) -> Vec2 {
-    if u.y > u.x {
-        let b = 0.5 * u.x;
-        Vec2::new(b, u.y - b)
-    } else {
-        let b = 0.5 * u.y;
-        Vec2::new(u.x - b, b)
-    }
+    let is_high = u.y > u.x;
+    let b = 0.5 * select(is_high, u.x, u.y);
+    let rest = select(is_high, u.y, u.x) - b;
+    Vec2::new(select(is_high, b, rest), select(is_high, rest, b))
 }

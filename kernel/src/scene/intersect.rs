@@ -19,8 +19,8 @@
 //! [`super::SurfacePoint`] knows its error and spawns tighter rays.
 
 use super::records::quadric_kind;
-use crate::math::Ray;
 use crate::math::float::{abs, safe_sqrt, sqrt};
+use crate::math::{Ray, select};
 use glam::Vec3;
 
 /// A ray prepared for triangles.
@@ -39,13 +39,12 @@ pub struct ShearedRay {
 /// Components in the cyclic order that puts `axis` last.
 #[inline]
 fn permute(v: Vec3, axis: u32) -> Vec3 {
-    if axis == 0 {
-        Vec3::new(v.y, v.z, v.x)
-    } else if axis == 1 {
-        Vec3::new(v.z, v.x, v.y)
-    } else {
-        v
-    }
+    let (is_x, is_y) = (axis == 0, axis == 1);
+    Vec3::new(
+        select(is_x, v.y, select(is_y, v.z, v.x)),
+        select(is_x, v.z, select(is_y, v.x, v.y)),
+        select(is_x, v.x, select(is_y, v.y, v.z)),
+    )
 }
 
 impl ShearedRay {
@@ -53,13 +52,8 @@ impl ShearedRay {
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> ShearedRay {
         let a = direction.abs();
-        let axis = if a.x >= a.y && a.x >= a.z {
-            0
-        } else if a.y >= a.z {
-            1
-        } else {
-            2
-        };
+        let is_x = (a.x >= a.y) & (a.x >= a.z);
+        let axis = select(is_x, 0, select(a.y >= a.z, 1, 2));
         let d = permute(direction, axis);
         ShearedRay {
             origin,

@@ -31,7 +31,7 @@ impl BlockRay {
         BlockRay {
             sheared,
             rows,
-            origin: [origin[rows[0]], origin[rows[1]], origin[rows[2]]],
+            origin: rows.map(|row| origin.to_array()[row]),
             t_min,
         }
     }

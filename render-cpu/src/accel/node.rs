@@ -8,6 +8,7 @@
 //! differ in the last bit of a distance, never in whether a primitive's box is found.
 
 use glam::{Vec3, Vec3A};
+use halflight_kernel::math::select;
 use obvhs::cwbvh::node::CwBvhNode;
 
 /// What nodes need of a ray.
@@ -24,13 +25,7 @@ impl NodeRay {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3, t_min: f32) -> NodeRay {
-        let inverse = direction.map(|x| {
-            if x.abs() > 1e-18 {
-                1.0 / x
-            } else {
-                1e18f32.copysign(x)
-            }
-        });
+        let inverse = direction.map(|x| 1.0 / select(x.abs() > 1e-18, x, 1e-18f32.copysign(x)));
         let is_negative = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0];
         NodeRay {
             origin: origin.into(),

@@ -75,6 +75,23 @@ impl Committed {
     }
 }
 
+/// A module is older than the program that uses it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the compiled module has no entry point {0}; run render-spirv/build-shaders")]
+pub struct StaleModule(pub String);
+
+/// Whether a module with the entry points `known` can be used for `entry`.
+///
+/// # Errors
+/// If it has no such entry point.
+pub fn require(known: &[String], entry: &str) -> Result<(), StaleModule> {
+    if known.iter().any(|name| name == entry) {
+        Ok(())
+    } else {
+        Err(StaleModule(entry.to_owned()))
+    }
+}
+
 /// The words of a module's bytes.
 pub fn words_of(bytes: &[u8]) -> Vec<u32> {
     // A file need not be aligned in memory, and SPIR-V files are little-endian here.

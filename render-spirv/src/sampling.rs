@@ -5,7 +5,7 @@
 //! complete, in f64 as the CPU does it; a device that is lost in between leaves a film of complete layers.
 
 use crate::interface::{Dispatch, FEATURE_VECTORS, WORKGROUP, WorkItem};
-use crate::module;
+use crate::module::{self, StaleModule};
 use crate::scene_buffers::SceneBuffers;
 use crate::stages::{Stages, TIME_LIMIT};
 use crate::vulkan::{Buffer, Device, Memory, Pipeline, VulkanError};
@@ -76,8 +76,8 @@ pub enum SamplingError {
     #[error("there is no shader for the integrator \"{0}\"; `halflight render` has it")]
     NoShader(String),
     /// The committed module is older than the program.
-    #[error("the compiled module has no entry point {0}; run render-spirv/build-shaders")]
-    StaleModule(String),
+    #[error(transparent)]
+    StaleModule(#[from] StaleModule),
     /// The device.
     #[error(transparent)]
     Device(#[from] VulkanError),
@@ -131,9 +131,7 @@ impl DeviceSampling {
         let known = module::entry_points(&words);
         let pipeline = |entry: &CStr| {
             let name = entry.to_string_lossy();
-            if !known.iter().any(|k| *k == name) {
-                return Err(SamplingError::StaleModule(name.into_owned()));
-            }
+            module::require(&known, &name)?;
             let start = Instant::now();
             let made = device.create_specialized_pipeline(
                 &words,
@@ -147,7 +145,7 @@ impl DeviceSampling {
             made.dispatch("an empty slice", &Dispatch::default(), 1, TIME_LIMIT)?;
             let used = start.elapsed().as_secs_f64() - created;
             tracing::info!("compiled {name}: created in {created:.2} s, first used in {used:.2} s");
-            Ok(made)
+            Ok::<_, SamplingError>(made)
         };
         let features = with_features
             .then(|| pipeline(c"surface_features"))

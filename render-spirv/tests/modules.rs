@@ -56,6 +56,22 @@ fn stamps_notice_changes() {
     assert_ne!(stamp(), third);
 }
 
+/// A module without the entry point that the program asks for is refused by name before a driver sees it.
+#[test]
+fn a_stale_module_is_refused() {
+    let bytes = std::fs::read(MODULES[2].path(&root())).expect("a module");
+    let known = module::entry_points(&module::words_of(&bytes));
+    assert!(!known.is_empty());
+    assert_eq!(module::require(&known, &known[0]), Ok(()));
+    let refused = module::require(&known, "occlusion").expect_err("another module's");
+    assert_eq!(
+        refused.to_string(),
+        "the compiled module has no entry point occlusion; run render-spirv/build-shaders"
+    );
+    let own = module::entry_points(&module::words());
+    assert_eq!(module::require(&own, "occlusion"), Ok(()));
+}
+
 /// Modules are valid for Vulkan 1.2. Records are packed tightly, but hold nothing but words, so that the layout of storage
 /// buffers needs no extension.
 #[test]

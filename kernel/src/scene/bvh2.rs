@@ -5,8 +5,9 @@
 //! and goes on in the group's subtree; popping `LEAVE` restores the world's ray. Children are visited nearest first and
 //! popped nodes are tested again against the interval, which has shrunk meanwhile. Boxes are tested with a slab test
 //! whose far distance is widened by two roundings (Ize 2013, "Robust BVH Ray Traversal"), so that no ray slips between
-//! boxes that touch, and rays along a face meet the boxes on both sides. The interval ends a little beyond the nearest hit ([`super::traverse::REACH`]), for what lies at the
-//! same distance. Checked: the same hits as a search of all primitives and as the CPU's tree.
+//! boxes that touch, and rays along a face meet the boxes on both sides. The interval ends a little beyond the nearest
+//! hit ([`super::traverse::REACH`]), for what lies at the same distance. Checked: the same hits as a search of all
+//! primitives and as the CPU's tree.
 
 use super::intersect::{ShearedRay, intersect_quadric, intersect_triangle, is_traceable};
 use super::records::NONE;

@@ -1,6 +1,7 @@
 //! Paths in stages, with their state in records, and paths side by side are the paths of the loops: the same numbers to
 //! the bit.
 
+use halflight::accel::CpuTraverse;
 use halflight::commands::scene_args::build_accel;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
@@ -74,7 +75,11 @@ fn in_stages<T: Traverse>(
     path.estimate().to_array()
 }
 
-fn agrees(integrator: &str) {
+/// Calls `test` with the scene.
+fn with_scene(
+    integrator: &str,
+    test: impl FnOnce(&SceneView<'_, CpuTraverse<'_>>, &IntegratorSettings),
+) {
     let scene = scene(integrator);
     let accel = build_accel(&scene);
     let tables = scene.tables.view();
@@ -83,51 +88,53 @@ fn agrees(integrator: &str) {
         tables,
         traverse: &traverse,
     };
-    let mut lit = 0;
-    for pixel in 0..24 * 24 {
-        let at = [pixel % 24, pixel / 24];
-        for kind in [sampler_kind::INDEPENDENT, sampler_kind::SOBOL] {
-            let sampler = AnySampler::new(kind, 3, pixel, 1);
-            let expected = sample_pixel(&view, &scene.settings, &mut sampler.clone(), at);
-            let found = in_stages(&view, &scene.settings, sampler, at);
-            assert_eq!(found, expected.to_array(), "pixel {at:?} of {integrator}");
-            lit += u32::from(found[0] > 0.0);
+    test(&view, &scene.settings);
+}
+
+fn agrees(integrator: &str) {
+    with_scene(integrator, |view, settings| {
+        let mut lit = 0;
+        for pixel in 0..24 * 24 {
+            let at = [pixel % 24, pixel / 24];
+            for kind in [sampler_kind::INDEPENDENT, sampler_kind::SOBOL] {
+                let sampler = AnySampler::new(kind, 3, pixel, 1);
+                let expected = sample_pixel(view, settings, &mut sampler.clone(), at);
+                let found = in_stages(view, settings, sampler, at);
+                assert_eq!(found, expected.to_array(), "pixel {at:?} of {integrator}");
+                lit += u32::from(found[0] > 0.0);
+            }
         }
-    }
-    assert!(lit > 500, "{lit}");
+        assert!(lit > 500, "{lit}");
+    });
 }
 
 /// Waves of any size, full or not, with paths of any length side by side.
 fn agrees_in_waves<const N: usize>(integrator: &str) {
-    let scene = scene(integrator);
-    let accel = build_accel(&scene);
-    let tables = scene.tables.view();
-    let traverse = accel.traverse(tables);
-    let view = SceneView {
-        tables,
-        traverse: &traverse,
-    };
-    let sampler = |pixel| AnySampler::new(sampler_kind::INDEPENDENT, 3, pixel, 2);
-    let mut wave = Wave::<AnySampler, N>::new();
-    let mut first = 0;
-    for pixel in 0..24 * 24 {
-        let mut numbers = sampler(pixel);
-        let sensor = sensor_ray(&tables, &mut numbers, [pixel % 24, pixel / 24]);
-        wave.push(&sensor.ray, numbers);
-        if !wave.is_full() && pixel != 24 * 24 - 1 {
-            continue;
+    with_scene(integrator, |view, settings| {
+        let begin = |pixel| {
+            let mut numbers = AnySampler::new(sampler_kind::INDEPENDENT, 3, pixel, 2);
+            let sensor = sensor_ray(&view.tables, &mut numbers, [pixel % 24, pixel / 24]);
+            (sensor.ray, numbers)
+        };
+        let mut wave = Wave::<AnySampler, N>::new();
+        let mut first = 0;
+        for pixel in 0..24 * 24 {
+            let (ray, numbers) = begin(pixel);
+            wave.push(&ray, numbers);
+            if !wave.is_full() && pixel != 24 * 24 - 1 {
+                continue;
+            }
+            let found = wave.run(view, settings);
+            assert_eq!(found.len() as u32, pixel + 1 - first);
+            for (pixel, found) in (first..).zip(found) {
+                let (ray, mut numbers) = begin(pixel);
+                let expected = path::radiance(view, settings, &mut numbers, &ray);
+                assert_eq!(found, expected, "pixel {pixel} of {integrator}");
+            }
+            first = pixel + 1;
         }
-        let found = wave.run(&view, &scene.settings);
-        assert_eq!(found.len() as u32, pixel + 1 - first);
-        for (pixel, found) in (first..).zip(found) {
-            let mut numbers = sampler(pixel);
-            let sensor = sensor_ray(&tables, &mut numbers, [pixel % 24, pixel / 24]);
-            let expected = path::radiance(&view, &scene.settings, &mut numbers, &sensor.ray);
-            assert_eq!(found, expected, "pixel {pixel} of {integrator}");
-        }
-        first = pixel + 1;
-    }
-    assert_eq!(first, 24 * 24);
+        assert_eq!(first, 24 * 24);
+    });
 }
 
 #[test]

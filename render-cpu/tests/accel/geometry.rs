@@ -1,4 +1,4 @@
-//! Scenes of bare geometry, and a search of all their primitives to compare with.
+//! Scenes of bare geometry, a search of all their primitives to compare with, and rays and random numbers for them.
 
 use bytemuck::Zeroable;
 use glam::{Affine3A, Vec3};
@@ -173,4 +173,49 @@ pub fn rows(m: Affine3A) -> [f32; 12] {
         r.x_axis.x, r.x_axis.y, r.x_axis.z, t.x, r.y_axis.x, r.y_axis.y, r.y_axis.z, t.y,
         r.z_axis.x, r.z_axis.y, r.z_axis.z, t.z,
     ]
+}
+
+/// Geometry of the world alone, with its one instance.
+pub fn world(fill: impl FnOnce(&mut Geometry)) -> Geometry {
+    let mut g = Geometry::default();
+    fill(&mut g);
+    g.close_group();
+    g.place(0, Affine3A::IDENTITY);
+    g
+}
+
+/// Deterministic rays from around towards a box of half this size.
+pub fn rays_around(size: f32) -> Vec<Ray> {
+    let mut random = Random(1);
+    let mut rays = vec![];
+    for i in 0..400 {
+        let target = random.point() * size;
+        let mut direction = random.point();
+        if i % 5 == 0 {
+            direction[i % 3] = 0.0;
+        }
+        if i % 7 == 0 {
+            direction = Vec3::AXES[i % 3];
+        }
+        let direction = direction.normalize();
+        rays.push(Ray::new(target - direction * (3.0 * size), direction));
+    }
+    rays
+}
+
+/// Numbers in [-1, 1) by a multiplicative generator.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> f32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+    }
+
+    pub fn point(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
 }

@@ -1,16 +1,11 @@
 //! The wide trees, the kernel's binary walk and a search of all primitives find the same hits.
 
-#[path = "common/geometry.rs"]
-mod geometry;
-
-use geometry::Geometry;
+use crate::geometry::{Geometry, Random, rays_around, world};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
-use halflight::accel::collapse::collapse;
-use halflight::accel::{Accel, GroupRange, build};
+use halflight::accel::{Accel, GroupRange};
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::IDENTITY;
 use halflight_kernel::scene::*;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
@@ -118,51 +113,6 @@ fn random_scenes_with_quadrics_and_instances() {
             Ok(())
         })
         .unwrap();
-}
-
-/// Geometry of the world alone, with its one instance.
-fn world(fill: impl FnOnce(&mut Geometry)) -> Geometry {
-    let mut g = Geometry::default();
-    fill(&mut g);
-    g.close_group();
-    g.place(0, Affine3A::IDENTITY);
-    g
-}
-
-/// Deterministic rays from around towards a box of half this size.
-fn rays_around(size: f32) -> Vec<Ray> {
-    let mut random = Random(1);
-    let mut rays = vec![];
-    for i in 0..400 {
-        let target = random.point() * size;
-        let mut direction = random.point();
-        if i % 5 == 0 {
-            direction[i % 3] = 0.0;
-        }
-        if i % 7 == 0 {
-            direction = Vec3::AXES[i % 3];
-        }
-        let direction = direction.normalize();
-        rays.push(Ray::new(target - direction * (3.0 * size), direction));
-    }
-    rays
-}
-
-/// Numbers in [-1, 1) by a multiplicative generator.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
-    }
-
-    fn point(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
-    }
 }
 
 #[test]
@@ -363,102 +313,6 @@ fn any_scale() {
     }
 }
 
-/// Sizes that span eighty octaves make deep trees: they must fit both stacks.
-#[test]
-fn deep_trees() {
-    let mut g = world(|g| {
-        for i in 0..4000 {
-            let size = 2f32.powf(i as f32 * -0.02);
-            let at = Vec3::X * size;
-            g.triangle([
-                at,
-                at + Vec3::Y * size,
-                at + Vec3::new(0.1, 0.0, 1.0) * size,
-            ]);
-        }
-    });
-    g.check(&rays_around(1.0));
-    let nodes = Accel::build(g.tables(), &g.groups).shader_nodes(g.tables());
-    assert!(depth(&nodes.nodes) <= bvh2::MAX_DEPTH);
-}
-
-fn depth(nodes: &[BvhNode]) -> usize {
-    let mut deepest = 0;
-    let mut stack = vec![(0, 1)];
-    while let Some((index, depth)) = stack.pop() {
-        let node = &nodes[index as usize];
-        deepest = deepest.max(depth);
-        if node.count == 0 {
-            stack.extend([(node.first, depth + 1), (node.first + 1, depth + 1)]);
-        }
-    }
-    deepest
-}
-
-/// Large trees are built by several threads. Whatever their number, the tree is the same, so that times can be compared. The
-/// grid has many boxes of equal size, and every one twice.
-#[test]
-fn trees_do_not_depend_on_the_number_of_threads() {
-    let geometry = world(|g| {
-        for i in 0..300 {
-            for j in 0..200 {
-                let at = Vec3::new(i as f32, j as f32, 0.0);
-                for _ in 0..2 {
-                    g.triangle([at, at + Vec3::X, at + Vec3::Y]);
-                }
-            }
-        }
-    });
-    let order = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let tree = pool.unwrap().install(|| {
-            let tables = geometry.tables();
-            let found = build::primitive_bounds(&tables, &geometry.groups[0], None);
-            build::GroupTree::build(found)
-        });
-        (tree.primitives, tree.nodes)
-    };
-    let one = order(1);
-    assert_eq!(one.0.len(), 120_000);
-    for threads in [2, 3, 7] {
-        assert!(order(threads) == one, "{threads} threads");
-    }
-}
-
-/// The wide nodes are those that obvhs makes of the same binary tree, for trees of one leaf, of a few, and of enough that
-/// threads share the work; boxes lie in clusters, coincide and have no thickness.
-#[test]
-fn wide_nodes_are_those_of_obvhs() {
-    let mut state = 1_u32;
-    let mut random = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 24) as f32
-    };
-    for count in [1, 2, 3, 4, 5, 9, 40, 700, 30_000] {
-        let geometry = world(|g| {
-            for i in 0..count {
-                let spread = if i % 3 == 0 { 100.0 } else { 1.0 };
-                let at = Vec3::new(random(), random(), random()) * spread;
-                let size = if i % 50 == 0 { 3.0 } else { 0.01 };
-                let (a, b) = (random() - 0.5, random() - 0.5);
-                for _ in 0..1 + (i % 17 == 0) as u32 {
-                    g.triangle([at, at + Vec3::new(size, 0.0, a * size), at + Vec3::Y * b]);
-                }
-            }
-        });
-        let found = build::primitive_bounds(&geometry.tables(), &geometry.groups[0], None);
-        let binary = build::binary_tree(found, build::MAX_BINARY_DEPTH);
-        let expected = bvh2_to_cwbvh(&binary, 3, false, false);
-        let wide = collapse(&binary, build::MAX_BINARY_DEPTH).unwrap();
-        assert!(wide.nodes == expected.nodes, "{count}");
-        assert_eq!(wide.primitives, expected.primitive_indices, "{count}");
-
-        let deepest = build::binary_depth(&binary);
-        assert!(collapse(&binary, deepest).is_some(), "{count}");
-        assert!(collapse(&binary, deepest - 1).is_none(), "{count}");
-    }
-}
-
 /// A flat grid whose boxes have no thickness and touch along whole numbers: rays straight and slanted at edges, corners
 /// and centres all hit.
 #[test]
@@ -503,129 +357,4 @@ fn flat_grids_do_not_leak() {
         }
         g.check(&rays);
     }
-}
-
-/// The three node tests find the same children, up to rounding at the edges of boxes.
-#[cfg(target_arch = "x86_64")]
-#[test]
-fn node_tests_agree() {
-    use halflight::accel::lanes::{Avx2, Lanes, Portable, Sse2};
-    use halflight::accel::node::Children;
-    use obvhs::cwbvh::node::CwBvhNode;
-    let mut random = Random(5);
-    let boxes: Vec<_> = (0..3000)
-        .map(|_| {
-            let a = glam::Vec3A::from(random.point());
-            obvhs::aabb::Aabb::from_points(&[a, a + glam::Vec3A::from(random.point()) * 0.1])
-        })
-        .collect();
-    let nodes = obvhs::cwbvh::builder::build_cwbvh(
-        &boxes,
-        obvhs::BvhBuildParams::fast_build(),
-        &mut std::time::Duration::default(),
-    )
-    .nodes;
-    let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-    let (mut tested, mut hits, mut different) = (0, 0, 0);
-    for ray in rays_around(1.0) {
-        for node in nodes.iter().step_by(7) {
-            fn children<T: Lanes>(node: &CwBvhNode, ray: &Ray) -> Children {
-                T::children(node, &T::ray(ray.origin, ray.direction, 0.0), 10.0)
-            }
-            let portable = children::<Portable>(node, &ray);
-            let mut others = vec![children::<Sse2>(node, &ray)];
-            if has_avx2 {
-                others.push(children::<Avx2>(node, &ray));
-            }
-            for other in others {
-                tested += 8;
-                hits += portable.hits.count_ones();
-                different += (portable.hits ^ other.hits).count_ones();
-                for k in 0..8 {
-                    if portable.inner() & other.inner() & (1 << k) != 0 {
-                        let error = (portable.near[k] - other.near[k]).abs();
-                        assert!(error <= 2e-5, "{error}");
-                    }
-                }
-            }
-        }
-    }
-    assert!(
-        hits > 1000 && different * 100_000 < tested,
-        "{different} of {tested}, {hits} hit"
-    );
-}
-
-/// Blocks of eight triangles give the kernel's own hits to the bit, with AVX2 and without; zeros among the edge functions,
-/// slivers and coincident triangles included.
-#[test]
-fn block_tests_agree_with_the_kernel() {
-    use halflight::accel::lanes::{Lanes, Portable};
-    use halflight::accel::packed::{BLOCK, TriangleBlock};
-    let mut random = Random(11);
-    let (mut hits, mut ties) = (0, 0);
-    for case in 0..40_000u32 {
-        let round = |v: Vec3| if case % 2 == 0 { (v * 2.0).round() } else { v };
-        let mut block = TriangleBlock {
-            axes: [[[0.0; BLOCK]; 3]; 3],
-        };
-        for place in 0..BLOCK {
-            for vertex in 0..3 {
-                let mut p = round(random.point() * 2.0);
-                if case % 5 < 2 && place % 3 == 2 {
-                    p = block.vertices(place - 1)[vertex];
-                }
-                for axis in 0..3 {
-                    block.axes[axis][vertex][place] = p[axis];
-                }
-            }
-        }
-        let origin = round(random.point() * 3.0);
-        let direction = round(random.point() * 2.0);
-        if direction == Vec3::ZERO {
-            continue;
-        }
-        let sheared = intersect::ShearedRay::new(origin, direction);
-        let places = case % 256;
-        let name = |place: usize| (place as u32 * 5 + case) % 8;
-        let mut expected = (20.0, BLOCK, 0.0, 0.0);
-        for place in (0..BLOCK).filter(|place| places & (1 << place) != 0) {
-            let [p0, p1, p2] = block.vertices(place);
-            let found = intersect::intersect_triangle(&sheared, p0, p1, p2, 0.1, 20.0);
-            let is_tie = found.t == expected.0;
-            ties += is_tie as u32;
-            if found.t < expected.0 || (is_tie && name(place) < name(expected.1)) {
-                expected = (found.t, place, found.b1, found.b2);
-            }
-        }
-        hits += (expected.1 < BLOCK) as u32;
-        let check = |found: halflight::accel::block::BlockHit| {
-            assert_eq!(found.place, expected.1, "case {case}");
-            if found.place < BLOCK {
-                assert_eq!(
-                    (found.t, found.b1, found.b2),
-                    (expected.0, expected.2, expected.3)
-                );
-            }
-        };
-        check(Portable::nearest(
-            &block,
-            name,
-            &Portable::ray(origin, direction, 0.1),
-            places,
-            20.0,
-        ));
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            use halflight::accel::lanes::Avx2;
-            check(Avx2::nearest(
-                &block,
-                name,
-                &Avx2::ray(origin, direction, 0.1),
-                places,
-                20.0,
-            ));
-        }
-    }
-    assert!(hits > 2000 && ties > 100, "{hits} hits, {ties} ties");
 }

@@ -1,0 +1,131 @@
+//! Tests of nodes and of blocks of triangles with vectors of any width.
+
+use crate::geometry::{Random, rays_around};
+use glam::Vec3;
+use halflight_kernel::math::Ray;
+use halflight_kernel::scene::intersect;
+
+/// The three node tests find the same children, up to rounding at the edges of boxes.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn node_tests_agree() {
+    use halflight::accel::lanes::{Avx2, Lanes, Portable, Sse2};
+    use halflight::accel::node::Children;
+    use obvhs::cwbvh::node::CwBvhNode;
+    let mut random = Random(5);
+    let boxes: Vec<_> = (0..3000)
+        .map(|_| {
+            let a = glam::Vec3A::from(random.point());
+            obvhs::aabb::Aabb::from_points(&[a, a + glam::Vec3A::from(random.point()) * 0.1])
+        })
+        .collect();
+    let nodes = obvhs::cwbvh::builder::build_cwbvh(
+        &boxes,
+        obvhs::BvhBuildParams::fast_build(),
+        &mut std::time::Duration::default(),
+    )
+    .nodes;
+    let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+    let (mut tested, mut hits, mut different) = (0, 0, 0);
+    for ray in rays_around(1.0) {
+        for node in nodes.iter().step_by(7) {
+            fn children<T: Lanes>(node: &CwBvhNode, ray: &Ray) -> Children {
+                T::children(node, &T::ray(ray.origin, ray.direction, 0.0), 10.0)
+            }
+            let portable = children::<Portable>(node, &ray);
+            let mut others = vec![children::<Sse2>(node, &ray)];
+            if has_avx2 {
+                others.push(children::<Avx2>(node, &ray));
+            }
+            for other in others {
+                tested += 8;
+                hits += portable.hits.count_ones();
+                different += (portable.hits ^ other.hits).count_ones();
+                for k in 0..8 {
+                    if portable.inner() & other.inner() & (1 << k) != 0 {
+                        let error = (portable.near[k] - other.near[k]).abs();
+                        assert!(error <= 2e-5, "{error}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(
+        hits > 1000 && different * 100_000 < tested,
+        "{different} of {tested}, {hits} hit"
+    );
+}
+
+/// Blocks of eight triangles give the kernel's own hits to the bit, with AVX2 and without; zeros among the edge functions,
+/// slivers and coincident triangles included.
+#[test]
+fn block_tests_agree_with_the_kernel() {
+    use halflight::accel::lanes::{Lanes, Portable};
+    use halflight::accel::packed::{BLOCK, TriangleBlock};
+    let mut random = Random(11);
+    let (mut hits, mut ties) = (0, 0);
+    for case in 0..40_000u32 {
+        let round = |v: Vec3| if case % 2 == 0 { (v * 2.0).round() } else { v };
+        let mut block = TriangleBlock {
+            axes: [[[0.0; BLOCK]; 3]; 3],
+        };
+        for place in 0..BLOCK {
+            for vertex in 0..3 {
+                let mut p = round(random.point() * 2.0);
+                if case % 5 < 2 && place % 3 == 2 {
+                    p = block.vertices(place - 1)[vertex];
+                }
+                for axis in 0..3 {
+                    block.axes[axis][vertex][place] = p[axis];
+                }
+            }
+        }
+        let origin = round(random.point() * 3.0);
+        let direction = round(random.point() * 2.0);
+        if direction == Vec3::ZERO {
+            continue;
+        }
+        let sheared = intersect::ShearedRay::new(origin, direction);
+        let places = case % 256;
+        let name = |place: usize| (place as u32 * 5 + case) % 8;
+        let mut expected = (20.0, BLOCK, 0.0, 0.0);
+        for place in (0..BLOCK).filter(|place| places & (1 << place) != 0) {
+            let [p0, p1, p2] = block.vertices(place);
+            let found = intersect::intersect_triangle(&sheared, p0, p1, p2, 0.1, 20.0);
+            let is_tie = found.t == expected.0;
+            ties += is_tie as u32;
+            if found.t < expected.0 || (is_tie && name(place) < name(expected.1)) {
+                expected = (found.t, place, found.b1, found.b2);
+            }
+        }
+        hits += (expected.1 < BLOCK) as u32;
+        let check = |found: halflight::accel::block::BlockHit| {
+            assert_eq!(found.place, expected.1, "case {case}");
+            if found.place < BLOCK {
+                assert_eq!(
+                    (found.t, found.b1, found.b2),
+                    (expected.0, expected.2, expected.3)
+                );
+            }
+        };
+        check(Portable::nearest(
+            &block,
+            name,
+            &Portable::ray(origin, direction, 0.1),
+            places,
+            20.0,
+        ));
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            use halflight::accel::lanes::Avx2;
+            check(Avx2::nearest(
+                &block,
+                name,
+                &Avx2::ray(origin, direction, 0.1),
+                places,
+                20.0,
+            ));
+        }
+    }
+    assert!(hits > 2000 && ties > 100, "{hits} hits, {ties} ties");
+}

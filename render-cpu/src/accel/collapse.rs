@@ -9,11 +9,11 @@
 //!
 //! The same function is in obvhs (`bvh2_to_cwbvh`). It keeps 56 bytes for every binary node, walks them with one thread,
 //! and took a third of the time before the first ray; here costs live on the stack only, what was chosen takes four
-//! bytes, and both walks are shared by all threads. Invariants (tests): the nodes are those of obvhs, to the bit,
-//! for any number of threads.
+//! bytes, and both walks are shared by all threads. Invariants (tests): the nodes are those of obvhs, to the bit, and the
+//! same for any number of threads.
 //!
-//! In one place the nodes are better: the step of the grid is found by its bits rather than by logarithms, whose rounding
-//! can make it half of what the box needs.
+//! In one place they may differ: the step of the grid is found by its bits rather than by logarithms, whose rounding can
+//! make it half of what the box needs.
 
 use glam::Vec3A;
 use obvhs::bvh2::Bvh2;

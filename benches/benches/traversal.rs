@@ -14,6 +14,10 @@ use halflight_kernel::scene::{
 };
 use std::hint::black_box;
 
+#[path = "../../kernel/tests/common/empty_tables.rs"]
+mod empty_tables;
+use empty_tables::empty_tables;
+
 const IDENTITY: [f32; 12] = halflight_kernel::math::affine::IDENTITY;
 
 struct Mesh {
@@ -83,22 +87,10 @@ impl Mesh {
     fn tables(&self) -> Tables<'_> {
         Tables {
             positions: &self.positions,
-            normals: &[],
-            uvs: &[],
             triangles: &self.triangles,
-            quadrics: &[],
             shapes: &self.shapes,
             instances: &self.instances,
-            materials: &[],
-            lobes: &[],
-            factors: &[],
-            frame_maps: &[],
-            textures: &[],
-            texels: &[],
-            data: &[],
-            emitters: &[],
-            camera: bytemuck::Zeroable::zeroed(),
-            info: bytemuck::Zeroable::zeroed(),
+            ..empty_tables()
         }
     }
 }

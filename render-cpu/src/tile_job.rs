@@ -1,6 +1,6 @@
 //! The samples of one tile of the film, on one thread.
 //!
-//! Paths are traced in waves ([`wave`]) of consecutive samples: those of one pixel, or of neighbouring pixels where each
+//! Paths are traced in waves ([`Wave`]) of consecutive samples: those of one pixel, or of neighbouring pixels where each
 //! gets but a few. Samples enter their pixel in the order of their indices whatever the wave, so that sums round alike.
 
 use crate::aov::AovSample;

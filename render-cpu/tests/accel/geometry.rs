@@ -1,6 +1,6 @@
 //! Scenes of bare geometry, a search of all their primitives to compare with, and rays and random numbers for them.
 
-use bytemuck::Zeroable;
+use crate::empty_tables::empty_tables;
 use glam::{Affine3A, Vec3};
 use halflight::accel::{Accel, GroupRange};
 use halflight_kernel::math::affine::{transform_point, transform_vector};
@@ -22,22 +22,10 @@ impl Geometry {
     pub fn tables(&self) -> Tables<'_> {
         Tables {
             positions: &self.positions,
-            normals: &[],
-            uvs: &[],
             triangles: &self.triangles,
             quadrics: &self.quadrics,
-            shapes: &[],
             instances: &self.instances,
-            materials: &[],
-            lobes: &[],
-            factors: &[],
-            frame_maps: &[],
-            textures: &[],
-            texels: &[],
-            data: &[],
-            emitters: &[],
-            camera: Camera::zeroed(),
-            info: SceneInfo::zeroed(),
+            ..empty_tables()
         }
     }
 

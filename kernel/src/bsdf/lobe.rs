@@ -16,8 +16,7 @@
 
 use super::microfacet::{self, Microfacets};
 use super::{
-    BsdfSample, Coat, Lobe, MAX_COATS, coat, diffuse, event, frame_map, mode, model, null,
-    rough_dielectric,
+    BsdfSample, Coat, Lobe, MAX_COATS, coat, event, frame_map, mode, model, null, rough_dielectric,
 };
 use crate::math::{Frame, Rgb, float, select};
 use crate::scene::{NONE, features, lobe_flag, lobe_kind};
@@ -149,13 +148,6 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f
         }
         let flip = is_flipped(lobe, wi);
         let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
-        if lobe.kind == lobe_kind::DIFFUSE {
-            // The same without a choice for each: the commonest model is the cheapest.
-            return (
-                diffuse::eval(lobe, wi, wo) * float::abs(wo.z),
-                diffuse::pdf(lobe, wi, wo),
-            );
-        }
         return (
             model::eval(lobe, data, wi, wo) * float::abs(wo.z),
             model::pdf(lobe, data, wi, wo),
@@ -182,12 +174,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     }
     let flip = is_flipped(lobe, wi);
     if is_bare(lobe) {
-        let wi = mirrored(flip, wi);
-        let mut s = if lobe.kind == lobe_kind::DIFFUSE {
-            diffuse::sample(lobe, wi, u1, u2)
-        } else {
-            model::sample(lobe, data, wi, u1, u2)
-        };
+        let mut s = model::sample(lobe, data, mirrored(flip, wi), u1, u2);
         s.wo = mirrored(flip, s.wo);
         return s;
     }
@@ -203,11 +190,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if !o.valid {
         return BsdfSample::NONE;
     }
-    s.wo = if flip {
-        Vec3::new(o.w.x, o.w.y, -o.w.z)
-    } else {
-        o.w
-    };
+    s.wo = mirrored(flip, o.w);
     s.weight *= i.transmittance * o.transmittance * shadowing(lobe, &i, &o);
     if s.event & event::DELTA == 0 {
         s.pdf *= o.jacobian;
@@ -229,7 +212,7 @@ struct Way {
 
 /// Whether the lobe sees directions mirrored to the front.
 #[inline]
-fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
+pub(super) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
     wi.z < 0.0 && lobe.flags & lobe_flag::FLIP_BACK != 0
 }
 
@@ -242,7 +225,7 @@ fn is_bare(lobe: &Lobe) -> bool {
 
 /// `w` with its z negated if `flip`.
 #[inline]
-fn mirrored(flip: bool, w: Vec3) -> Vec3 {
+pub(super) fn mirrored(flip: bool, w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, select(flip, -w.z, w.z))
 }
 
@@ -260,7 +243,7 @@ fn both_inside(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Way, Way) {
 #[inline]
 fn inside(lobe: &Lobe, data: &[f32], flip: bool, w: Vec3) -> Way {
     let mut way = Way {
-        w: if flip { Vec3::new(w.x, w.y, -w.z) } else { w },
+        w: mirrored(flip, w),
         transmittance: Vec3::ONE,
         jacobian: 1.0,
         cos_unperturbed: w.z,
@@ -395,11 +378,7 @@ fn coats_albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
     if !lobe.has_coats() {
         return Vec3::ONE;
     }
-    let mut w = if is_flipped(lobe, wi) {
-        Vec3::new(wi.x, wi.y, -wi.z)
-    } else {
-        wi
-    };
+    let mut w = mirrored(is_flipped(lobe, wi), wi);
     if lobe.has_map() && lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME == 0 {
         w = lobe.frame.to_local(w);
     }

@@ -3,11 +3,11 @@
 //! A parameter is its value times the texture at the point, if it has one; roughnesses and exponents take a texture's
 //! luminance. A lobe's weight in the material is the product of its mixing factors, each clamped to [0, 1].
 
+use super::lobe::{is_flipped, mirrored};
 use super::{Coat, Lobe, MAX_COATS, frame_map, microfacet, rough_transmittance};
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::{
-    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, features, lobe_flag,
-    lobe_kind,
+    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, features, lobe_kind,
     texture::{eval_at_point, eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};
@@ -79,12 +79,7 @@ pub(super) fn fill_lobe(
     }
     if tables.has(features::FRAME_MAPS) && record.frame != NONE {
         // Two-sided lobes see wi mirrored to the front.
-        let flip = wi.z < 0.0 && record.flags & lobe_flag::FLIP_BACK != 0;
-        let wi = if flip {
-            Vec3::new(wi.x, wi.y, -wi.z)
-        } else {
-            wi
-        };
+        let wi = mirrored(is_flipped(lobe, wi), wi);
         lobe.frame = frame_map::perturbed_frame(tables, record.frame, point, wi);
         lobe.has_frame = true;
     }
@@ -95,6 +90,7 @@ pub(super) fn fill_lobe(
         return;
     }
     let p = parameters(tables, record, point);
+    #[cfg(target_arch = "spirv")]
     if record.kind == lobe_kind::DIFFUSE {
         lobe.reflectance = p[0];
         return;

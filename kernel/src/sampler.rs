@@ -24,6 +24,14 @@ pub trait Sampler {
     fn next_2d(&mut self) -> Vec2;
 }
 
+/// A sampler that is four words, for lanes side by side.
+pub trait LaneSampler: Sampler + Copy + Zeroable {
+    /// The words.
+    fn to_words(self) -> [u32; 4];
+    /// The sampler of the words.
+    fn from_words(words: [u32; 4]) -> Self;
+}
+
 /// Mixes the bits of a word: a bijection in which each input bit flips each output bit with a probability of nearly
 /// one half (constants with the lowest known bias of this form: Wellons, "Hash Prospector").
 #[inline]
@@ -60,7 +68,7 @@ fn hashed(key0: u32, key1: u32, dimension: u32) -> u32 {
 }
 
 /// Independent numbers: a hash of the counter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Zeroable)]
 pub struct IndependentSampler {
     key0: u32,
     key1: u32,
@@ -98,6 +106,22 @@ impl Sampler for IndependentSampler {
         let x = self.next();
         let y = self.next();
         Vec2::new(x, y)
+    }
+}
+
+impl LaneSampler for IndependentSampler {
+    #[inline(always)]
+    fn to_words(self) -> [u32; 4] {
+        [self.key0, self.key1, 0, self.dimension]
+    }
+
+    #[inline(always)]
+    fn from_words([key0, key1, _, dimension]: [u32; 4]) -> IndependentSampler {
+        IndependentSampler {
+            key0,
+            key1,
+            dimension,
+        }
     }
 }
 
@@ -181,6 +205,23 @@ impl Sampler for SobolSampler {
             to_unit_interval(x.reverse_bits()),
             to_unit_interval(y.reverse_bits()),
         )
+    }
+}
+
+impl LaneSampler for SobolSampler {
+    #[inline(always)]
+    fn to_words(self) -> [u32; 4] {
+        [self.key0, self.key1, self.index, self.dimension]
+    }
+
+    #[inline(always)]
+    fn from_words([key0, key1, index, dimension]: [u32; 4]) -> SobolSampler {
+        SobolSampler {
+            key0,
+            key1,
+            index,
+            dimension,
+        }
     }
 }
 

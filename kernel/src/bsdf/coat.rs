@@ -146,7 +146,8 @@ pub fn round_trip(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) 
 }
 
 /// exp(-tau / cos) per channel.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn absorption(optical_depth: Vec3, cos: f32) -> Rgb {
     let inverse = 1.0 / cos;
     Vec3::new(

@@ -14,42 +14,42 @@ use crate::scene::lobe_kind;
 use glam::{Vec2, Vec3};
 
 /// The rough reflection, without a cosine.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
-    if wi.z <= 0.0 || wo.z <= 0.0 || lobe.kind == lobe_kind::COAT {
-        return Vec3::ZERO;
-    }
     let h = half_vector(wi, wo);
     let facets = lobe.microfacets();
     let d = facets.distribution(h);
     let cos_h = wi.dot(h);
-    // Opposite directions in the horizon have a half vector of rounding errors, and no density.
-    if d <= 0.0 || cos_h <= 0.0 {
-        return Vec3::ZERO;
-    }
     // G1(w) / cos as one over the projected area, which has no pole at grazing angles.
     let area = facets.projected_area(wi) * facets.projected_area(wo);
     let reflected = fresnel_dielectric(cos_h, lobe.eta.x).0;
-    lobe.specular_reflectance * (0.25 * reflected * d / area)
+    let value = lobe.specular_reflectance * (0.25 * reflected * d / area);
+    // Opposite directions in the horizon have a half vector of rounding errors, and no density.
+    let is_dark = wi.z <= 0.0 || wo.z <= 0.0 || d <= 0.0 || cos_h <= 0.0;
+    if is_dark || lobe.kind == lobe_kind::COAT {
+        Vec3::ZERO
+    } else {
+        value
+    }
 }
 
 /// Density of the rough reflection of [`sample`] per solid angle.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
-    if wi.z <= 0.0 || wo.z <= 0.0 || lobe.kind == lobe_kind::COAT {
-        return 0.0;
-    }
     let h = half_vector(wi, wo);
     let cos_h = wi.dot(h);
-    if cos_h <= 0.0 {
-        return 0.0;
-    }
     // Jacobian of the reflection at h: d omega_h / d omega_o = 1 / (4 wi . h).
-    lobe.microfacets().visible_normal_pdf(wi, h) / (4.0 * cos_h)
+    let density = lobe.microfacets().visible_normal_pdf(wi, h) / (4.0 * cos_h);
+    let is_dark = wi.z <= 0.0 || wo.z <= 0.0 || cos_h <= 0.0;
+    if is_dark || lobe.kind == lobe_kind::COAT {
+        0.0
+    } else {
+        density
+    }
 }
 
 /// The mirror direction about the normal (smooth) or about a visible normal (rough).
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;

@@ -22,7 +22,8 @@ pub fn pdf(_lobe: &Lobe, _wi: Vec3, _wo: Vec3) -> f32 {
 }
 
 /// The mirrored direction.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, _u2: Vec2) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;

@@ -23,7 +23,7 @@ pub fn relative_eta(cos_i: f32, eta: f32) -> f32 {
 ///
 /// `cos_t` has the opposite sign of `cos_i`. Total internal reflection gives `(1, 0)`; `eta == 1` gives `(0, -cos_i)`
 /// at every angle.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
     let e = relative_eta(cos_i, eta);
     let c = abs(cos_i).min(1.0);
@@ -46,7 +46,7 @@ pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> (f32, f32) {
 }
 
 /// Exact reflectance of a conductor with complex index `eta + i k` per channel; `cos_i` is taken without its sign.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn fresnel_conductor(cos_i: f32, eta: Vec3, k: Vec3) -> Rgb {
     Vec3::new(
         conductor_channel(cos_i, eta.x, k.x),
@@ -56,7 +56,8 @@ pub fn fresnel_conductor(cos_i: f32, eta: Vec3, k: Vec3) -> Rgb {
 }
 
 /// [`fresnel_conductor`] of one channel (Born and Wolf, Principles of Optics, section 14.2, in real arithmetic).
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn conductor_channel(cos_i: f32, eta: f32, k: f32) -> f32 {
     let c = abs(cos_i).min(1.0);
     let c2 = c * c;

@@ -163,6 +163,54 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f
     )
 }
 
+/// [`eval_cosine_pdf`] of a lobe that is bare, see [`is_bare`], in the place of the call: for callers that know its kind.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub(crate) fn eval_cosine_pdf_bare(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
+    if !is_active(lobe.flags, wi) || wo.z == 0.0 {
+        return (Vec3::ZERO, 0.0);
+    }
+    let flip = is_flipped(lobe, wi);
+    let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+    (
+        model::eval_here(lobe, data, wi, wo) * float::abs(wo.z),
+        model::pdf_here(lobe, data, wi, wo),
+    )
+}
+
+/// [`sample`] of a lobe that is bare and not null, in the place of the call: for callers that know its kind.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub(crate) fn sample_bare(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
+    if !is_active(lobe.flags, wi) {
+        return BsdfSample::NONE;
+    }
+    let flip = is_flipped(lobe, wi);
+    let mut s = model::sample_here(lobe, data, mirrored(flip, wi), u1, u2);
+    s.wo = mirrored(flip, s.wo);
+    s
+}
+
+/// [`sample_bare`] of a rough kind at the normal, in the frame of the model, that it draws.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub(crate) fn sample_bare_at_normal(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    m: Vec3,
+) -> BsdfSample {
+    if !is_active(lobe.flags, wi) {
+        return BsdfSample::NONE;
+    }
+    let flip = is_flipped(lobe, wi);
+    let mut s = model::sample_at_normal(lobe, data, mirrored(flip, wi), u1, u2, m);
+    s.wo = mirrored(flip, s.wo);
+    s
+}
+
 /// A direction in the surface's local frame with weight f |cos| / pdf.
 #[inline]
 pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
@@ -212,7 +260,7 @@ struct Way {
 
 /// Whether the lobe sees directions mirrored to the front.
 #[inline]
-pub(super) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
+pub(crate) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
     wi.z < 0.0 && lobe.flags & lobe_flag::FLIP_BACK != 0
 }
 
@@ -225,7 +273,7 @@ fn is_bare(lobe: &Lobe) -> bool {
 
 /// `w` with its z negated if `flip`.
 #[inline]
-pub(super) fn mirrored(flip: bool, w: Vec3) -> Vec3 {
+pub(crate) fn mirrored(flip: bool, w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, select(flip, -w.z, w.z))
 }
 

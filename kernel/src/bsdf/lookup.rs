@@ -54,7 +54,7 @@ pub(super) fn weight(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePo
 }
 
 /// Makes `lobe` that of the record, with the parameters that its kind reads.
-pub(super) fn fill_lobe(
+pub(crate) fn fill_lobe(
     lobe: &mut Lobe,
     tables: &Tables<'_>,
     record: &LobeRecord,
@@ -95,42 +95,7 @@ pub(super) fn fill_lobe(
         lobe.reflectance = p[0];
         return;
     }
-    if record.kind == lobe_kind::ROUGH_DIFFUSE {
-        lobe.reflectance = p[0];
-        lobe.alpha = Vec2::splat(p[6].x);
-        return;
-    }
-    lobe.distribution = record.distribution;
-    if record.distribution == distribution::EXPONENTIAL_POWER {
-        lobe.exponent = p[8].x;
-    }
-    lobe.table = record.table;
-    lobe.table_rows = record.table_rows;
-    lobe.internal_reflectance = record.internal_reflectance;
-    if record.kind == lobe_kind::MERL {
-        return;
-    }
-    lobe.specular_reflectance = p[1];
-    lobe.eta = p[3];
-    match record.kind {
-        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => {
-            lobe.reflectance = p[0];
-            lobe.optical_depth = p[5];
-        }
-        lobe_kind::COAT | lobe_kind::ROUGH_COAT => {}
-        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
-            lobe.k = p[4];
-        }
-        _ => lobe.specular_transmittance = p[2],
-    }
-    if record.kind == lobe_kind::ROUGH_CONDUCTOR
-        || record.kind == lobe_kind::DIFFRACTING_CONDUCTOR
-        || record.kind == lobe_kind::ROUGH_DIELECTRIC
-        || record.kind == lobe_kind::ROUGH_PLASTIC
-        || record.kind == lobe_kind::ROUGH_COAT
-    {
-        lobe.alpha = microfacet::clamp_alpha(Vec2::new(p[6].x, p[7].x));
-    }
+    set_parameters(lobe, record, &p);
     if tables.has(features::lobe(lobe_kind::ROUGH_PLASTIC))
         && record.kind == lobe_kind::ROUGH_PLASTIC
         && record.table != NONE
@@ -145,22 +110,72 @@ pub(super) fn fill_lobe(
     }
 }
 
+/// Takes what the record's kind reads of its parameters, which are in the order of [`parameters`].
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+fn set_parameters(lobe: &mut Lobe, record: &LobeRecord, p: &[Rgb; 9]) {
+    if lobe.kind == lobe_kind::ROUGH_DIFFUSE {
+        lobe.reflectance = p[0];
+        lobe.alpha = Vec2::splat(p[6].x);
+        return;
+    }
+    lobe.distribution = record.distribution;
+    if record.distribution == distribution::EXPONENTIAL_POWER {
+        lobe.exponent = p[8].x;
+    }
+    lobe.table = record.table;
+    lobe.table_rows = record.table_rows;
+    lobe.internal_reflectance = record.internal_reflectance;
+    if lobe.kind == lobe_kind::MERL {
+        return;
+    }
+    lobe.specular_reflectance = p[1];
+    lobe.eta = p[3];
+    match lobe.kind {
+        lobe_kind::PLASTIC | lobe_kind::ROUGH_PLASTIC => {
+            lobe.reflectance = p[0];
+            lobe.optical_depth = p[5];
+        }
+        lobe_kind::COAT | lobe_kind::ROUGH_COAT => {}
+        lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
+            lobe.k = p[4];
+        }
+        _ => lobe.specular_transmittance = p[2],
+    }
+    if lobe.kind == lobe_kind::ROUGH_CONDUCTOR
+        || lobe.kind == lobe_kind::DIFFRACTING_CONDUCTOR
+        || lobe.kind == lobe_kind::ROUGH_DIELECTRIC
+        || lobe.kind == lobe_kind::ROUGH_PLASTIC
+        || lobe.kind == lobe_kind::ROUGH_COAT
+    {
+        lobe.alpha = microfacet::clamp_alpha(Vec2::new(p[6].x, p[7].x));
+    }
+}
+
+/// The lobe of a record without coats, perturbed frame and textures, whose `kind` callers know.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub(crate) fn plain_lobe(record: &LobeRecord, kind: u32) -> Lobe {
+    let mut lobe = Lobe {
+        kind,
+        flags: record.flags,
+        weight: 1.0,
+        ..Lobe::NONE
+    };
+    if kind == lobe_kind::DIFFUSE {
+        lobe.reflectance = vec3(record.reflectance.value);
+        return lobe;
+    }
+    set_parameters(&mut lobe, record, &constants(record));
+    lobe
+}
+
 /// The record's parameters at the point: reflectance, specular reflectance and transmittance, eta, k, optical depth, and
 /// in every channel the two roughnesses and the exponent. One loop over all, because shader compilers copy the texture
 /// lookup to every call.
 #[inline]
 fn parameters(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) -> [Rgb; 9] {
-    let mut values = [
-        vec3(record.reflectance.value),
-        vec3(record.specular_reflectance.value),
-        vec3(record.specular_transmittance.value),
-        vec3(record.eta.value),
-        vec3(record.k.value),
-        vec3(record.optical_depth.value),
-        Vec3::splat(record.alpha_u.value),
-        Vec3::splat(record.alpha_v.value),
-        Vec3::splat(record.exponent.value),
-    ];
+    let mut values = constants(record);
     let textures = [
         record.reflectance.texture,
         record.specular_reflectance.texture,
@@ -183,6 +198,23 @@ fn parameters(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePoint) ->
         }
     }
     values
+}
+
+/// The record's parameters without their textures, in the order of [`parameters`].
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+fn constants(record: &LobeRecord) -> [Rgb; 9] {
+    [
+        vec3(record.reflectance.value),
+        vec3(record.specular_reflectance.value),
+        vec3(record.specular_transmittance.value),
+        vec3(record.eta.value),
+        vec3(record.k.value),
+        vec3(record.optical_depth.value),
+        Vec3::splat(record.alpha_u.value),
+        Vec3::splat(record.alpha_v.value),
+        Vec3::splat(record.exponent.value),
+    ]
 }
 
 /// A coat with its parameters looked up.

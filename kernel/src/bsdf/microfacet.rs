@@ -96,7 +96,7 @@ impl Microfacets {
     }
 
     /// `D(m)`.
-    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn distribution(&self, m: Vec3) -> f32 {
         if m.z <= 0.0 {
             return 0.0;
@@ -114,7 +114,7 @@ impl Microfacets {
 
     /// Area of the microfacets that face `w`, projected along `w`, per area of macrosurface: `|w.z| / G1`, at least
     /// `|w.z|`, positive for every unit `w`. The side of `w` is not looked at.
-    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn projected_area(&self, w: Vec3) -> f32 {
         // |w.z| tan(theta) times the roughness along the azimuth of w.
         let x = self.alpha.x * w.x;
@@ -145,7 +145,7 @@ impl Microfacets {
     }
 
     /// A normal with density [`Microfacets::normal_pdf`], `D(m) m.z`.
-    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn sample_normal(&self, u: Vec2) -> Vec3 {
         match self.kind {
             kinds::PHONG if self.is(kinds::PHONG) => phong::sample_normal(self.alpha, u),
@@ -164,21 +164,16 @@ impl Microfacets {
     }
 
     /// A normal that `wi`, `wi.z >= 0`, sees, with density [`Microfacets::visible_normal_pdf`].
-    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn sample_visible_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
         let has_cavities = self.may_be(kinds::PHONG) || self.may_be(kinds::EXPONENTIAL_POWER);
         if has_cavities && !self.has_smith_normals() {
             return self.sample_cavity_normal(wi, u);
         }
-        let alpha = self.alpha;
-        // Stretched to unit roughness (Heitz and d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the
-        // Distribution of Visible Normals", section 3): the visible normals of alpha are those of 1, stretched back.
-        let stretched = Vec3::new(alpha.x * wi.x, alpha.y * wi.y, wi.z.max(0.0));
-        let length = safe_sqrt(stretched.length_squared());
-        if length < 1e-18 {
+        let w = self.stretched(wi);
+        if w == Vec3::ZERO {
             return Vec3::Z;
         }
-        let w = stretched * (1.0 / length);
         let h = if self.is(kinds::GGX) {
             ggx::sample_visible_normal(w, u)
         } else if self.may_be(kinds::BECKMANN) {
@@ -186,11 +181,30 @@ impl Microfacets {
         } else {
             Vec3::Z
         };
-        unit_normal(alpha.x * h.x, alpha.y * h.y, h.z)
+        self.unstretched(h)
+    }
+
+    /// The unit vector along `wi`, `wi.z >= 0`, where the roughness is stretched to one (Heitz and d'Eon 2014, "Importance
+    /// Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals", section 3): the visible normals of alpha
+    /// are those of 1, stretched back. Zero in the plane of the surface.
+    #[inline]
+    pub(crate) fn stretched(&self, wi: Vec3) -> Vec3 {
+        let stretched = Vec3::new(self.alpha.x * wi.x, self.alpha.y * wi.y, wi.z.max(0.0));
+        let length = safe_sqrt(stretched.length_squared());
+        if length < 1e-18 {
+            return Vec3::ZERO;
+        }
+        stretched * (1.0 / length)
+    }
+
+    /// The unit normal that a normal of unit roughness is stretched back to.
+    #[inline]
+    pub(crate) fn unstretched(&self, h: Vec3) -> Vec3 {
+        unit_normal(self.alpha.x * h.x, self.alpha.y * h.y, h.z)
     }
 
     /// Density per solid angle of [`Microfacets::sample_visible_normal`].
-    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn visible_normal_pdf(&self, wi: Vec3, m: Vec3) -> f32 {
         let cos_i = wi.dot(m);
         if wi.z < 0.0 || cos_i <= 0.0 {
@@ -207,7 +221,7 @@ impl Microfacets {
 
     /// Smith's density of visible normals over [`Microfacets::visible_normal_pdf`], for a visible `m`: one for the
     /// distributions whose normals are sampled so.
-    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn visible_normal_weight(&self, wi: Vec3, m: Vec3) -> f32 {
         if self.has_smith_normals() {
             return 1.0;
@@ -279,7 +293,7 @@ impl Microfacets {
     }
 
     /// A normal with the density of the visible normals of V-cavities, or of all normals.
-    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     fn sample_cavity_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
         if !self.mirrors_normals() {
             return self.sample_normal(u);
@@ -310,13 +324,13 @@ impl Microfacets {
 }
 
 /// [`Microfacets::distribution`] of a kind without an exponent.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn distribution(kind: u32, alpha: Vec2, m: Vec3) -> f32 {
     Microfacets::new(kind, alpha, 1.0).distribution(m)
 }
 
 /// [`Microfacets::projected_area`] of a kind without an exponent.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn projected_area(kind: u32, alpha: Vec2, w: Vec3) -> f32 {
     Microfacets::new(kind, alpha, 1.0).projected_area(w)
 }
@@ -328,19 +342,19 @@ pub fn smith_g1(kind: u32, alpha: Vec2, w: Vec3, m: Vec3) -> f32 {
 }
 
 /// [`Microfacets::sample_visible_normal`] of a kind without an exponent.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample_visible_normal(kind: u32, alpha: Vec2, wi: Vec3, u: Vec2) -> Vec3 {
     Microfacets::new(kind, alpha, 1.0).sample_visible_normal(wi, u)
 }
 
 /// [`Microfacets::visible_normal_pdf`] of a kind without an exponent.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn visible_normal_pdf(kind: u32, alpha: Vec2, wi: Vec3, m: Vec3) -> f32 {
     Microfacets::new(kind, alpha, 1.0).visible_normal_pdf(wi, m)
 }
 
 /// [`Microfacets::sample_normal`] of a kind without an exponent.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample_normal(kind: u32, alpha: Vec2, u: Vec2) -> Vec3 {
     Microfacets::new(kind, alpha, 1.0).sample_normal(u)
 }

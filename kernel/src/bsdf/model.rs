@@ -16,6 +16,13 @@ use glam::{Vec2, Vec3};
 /// The BSDF without a cosine.
 #[inline]
 pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+    eval_here(lobe, data, wi, wo)
+}
+
+/// [`eval`] in the place of the call, for callers that know the lobe's kind.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn eval_here(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     match lobe.kind {
         lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
             diffuse::eval(lobe, wi, wo)
@@ -54,6 +61,13 @@ pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
 /// Density of [`sample`] per solid angle.
 #[inline]
 pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+    pdf_here(lobe, data, wi, wo)
+}
+
+/// [`pdf`] in the place of the call, for callers that know the lobe's kind.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn pdf_here(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     match lobe.kind {
         lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
             diffuse::pdf(lobe, wi, wo)
@@ -92,6 +106,13 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
 #[cfg(not(target_arch = "spirv"))]
 #[inline]
 pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
+    sample_here(lobe, data, wi, u1, u2)
+}
+
+/// [`sample`] in the place of the call, for callers that know the lobe's kind.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub fn sample_here(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     match lobe.kind {
         lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
             diffuse::sample(lobe, wi, u1, u2)
@@ -138,6 +159,25 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
         {
             diffracting_conductor::sample(lobe, data, wi, u1, u2)
         }
+        _ => BsdfSample::NONE,
+    }
+}
+
+/// [`sample`] of a rough kind at the normal `m` that was drawn with `u2`, in the place of the call.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub fn sample_at_normal(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    m: Vec3,
+) -> BsdfSample {
+    match lobe.kind {
+        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::sample_at_normal(lobe, wi, m),
+        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::sample_at_normal(lobe, wi, u1, m),
+        lobe_kind::ROUGH_PLASTIC => rough_plastic::sample_at_normal(lobe, data, wi, u1, u2, || m),
         _ => BsdfSample::NONE,
     }
 }

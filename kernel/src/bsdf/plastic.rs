@@ -24,7 +24,7 @@ use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 
 /// The diffuse part, without a cosine.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return Vec3::ZERO;
@@ -38,7 +38,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of the diffuse part of [`sample`] per solid angle.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return 0.0;
@@ -48,7 +48,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 /// The mirror direction or a cosine-distributed one; `u1` chooses.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;
@@ -99,7 +99,8 @@ pub fn base(lobe: &Lobe) -> Rgb {
 }
 
 /// Share of the light that the coating leaves on one passage, from the cosine `cos` outside.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn absorption(lobe: &Lobe, cos: f32) -> Rgb {
     if lobe.optical_depth == Vec3::ZERO {
         return Vec3::ONE;
@@ -114,7 +115,8 @@ pub fn absorption(lobe: &Lobe, cos: f32) -> Rgb {
 
 /// Probability of sampling the coating for `wi` at cosine `cos` when it reflects the share `reflected`. The way out is
 /// guessed to be along the normal.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn specular_probability(lobe: &Lobe, cos: f32, reflected: f32) -> f32 {
     let specular = reflected * lobe.specular_reflectance.element_sum();
     let below = lobe.reflectance * absorption(lobe, cos) * absorption(lobe, 1.0);

@@ -14,7 +14,7 @@ use crate::scene::lobe_flag;
 use glam::{Vec2, Vec3};
 
 /// BSDF without a cosine.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return Rgb::ZERO;
@@ -32,7 +32,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of [`sample`] per solid angle.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return 0.0;
@@ -46,7 +46,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 /// A direction reflected at a sampled normal; `u1` is not used.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;
@@ -61,20 +61,23 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     at_normal(lobe, wi, m)
 }
 
+/// [`sample`] at the normal that it draws.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub(super) fn sample_at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
+    let s = at_normal(lobe, wi, m);
+    if wi.z <= 0.0 { BsdfSample::NONE } else { s }
+}
+
 /// The reflection of [`sample`] at its normal.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
     let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
     let facets = lobe.microfacets();
     let cos_i = wi.dot(m);
     let wo = reflect(wi, m);
-    if cos_i <= 0.0 || wo.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
     let pdf = pdf_of_normal(lobe, wi, m) * solid_angle_of_reflection(cos_i);
-    if pdf <= 0.0 {
-        return BsdfSample::NONE;
-    }
     let masking_o = wo.z / facets.projected_area(wo);
     // f cos / pdf: D cancels, and with Smith's visible normals so does everything that belongs to wi.
     let weight = if all {
@@ -82,17 +85,23 @@ pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
     } else {
         masking_o * facets.visible_normal_weight(wi, m)
     };
-    BsdfSample {
+    let s = BsdfSample {
         wo,
         weight: lobe.specular_reflectance * fresnel_conductor(cos_i, lobe.eta, lobe.k) * weight,
         pdf,
         eta: 1.0,
         event: event::GLOSSY | event::REFLECTION,
+    };
+    if cos_i > 0.0 && wo.z > 0.0 && pdf > 0.0 {
+        s
+    } else {
+        BsdfSample::NONE
     }
 }
 
 /// Density per solid angle of the sampled normal.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
     if lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0 {
         lobe.microfacets().normal_pdf(m)

@@ -60,7 +60,8 @@ impl Half {
     }
 }
 
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn half_vector(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Half {
     let reflection = wi.z * wo.z > 0.0;
     let eta = relative_eta(wi.z, lobe.eta.x);
@@ -91,7 +92,7 @@ fn half_vector(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Half {
 }
 
 /// BSDF without a cosine.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     let half = half_vector(lobe, wi, wo);
     if !half.valid {
@@ -115,7 +116,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of [`sample`] per solid angle.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     let half = half_vector(lobe, wi, wo);
     if !half.valid {
@@ -133,7 +134,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 /// A direction reflected or refracted at a sampled normal.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     if wi.z == 0.0 {
         return BsdfSample::NONE;
@@ -151,47 +152,60 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     at_normal(lobe, wi, u1, m)
 }
 
+/// [`sample`] at the normal that it draws.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub(super) fn sample_at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
+    // Nothing is on the side of a direction in the horizon.
+    let s = at_normal(lobe, wi, u1, m);
+    if abs(lobe.eta.x - 1.0) <= INDEX_MATCHED && wi.z != 0.0 {
+        straight(lobe, wi)
+    } else {
+        s
+    }
+}
+
 /// The reflection or refraction of [`sample`] at its normal.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
     let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
     let facets = lobe.microfacets();
     let cos_i = wi.dot(m);
-    if cos_i * wi.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
     let (reflectance, cos_t) = fresnel_dielectric(cos_i, lobe.eta.x);
     let eta = relative_eta(cos_i, lobe.eta.x);
     let density = pdf_of_normal(lobe, wi, m);
 
-    let mut s = BsdfSample::NONE;
-    if u1 < reflectance {
-        s.wo = reflect(wi, m);
-        s.pdf = density * reflectance * solid_angle_of_reflection(cos_i);
-        s.weight = lobe.specular_reflectance;
-        s.event = event::GLOSSY | event::REFLECTION;
-        if s.wo.z * wi.z <= 0.0 {
-            return BsdfSample::NONE;
+    // Both ways, of which one is taken: lanes of a vector go both together.
+    let is_reflected = u1 < reflectance;
+    let reflected = reflect(wi, m);
+    let reflected_pdf = density * reflectance * solid_angle_of_reflection(cos_i);
+    // wi.m + eta wo.m, whose square is |wi + eta wo|^2, by Snell's law free of cancellation.
+    let length = (1.0 - eta) * (1.0 + eta) / (abs(cos_i) + eta * abs(cos_t));
+    let refracted = refract(wi, m, cos_t, eta);
+    let refracted_pdf =
+        density * (1.0 - reflectance) * solid_angle_of_refraction(cos_t, eta, length * length);
+    let mut transmittance = lobe.specular_transmittance;
+    if lobe.mode == mode::RADIANCE {
+        transmittance *= 1.0 / (eta * eta);
+    }
+    let mut s = if is_reflected {
+        BsdfSample {
+            wo: reflected,
+            weight: lobe.specular_reflectance,
+            pdf: reflected_pdf,
+            eta: 1.0,
+            event: event::GLOSSY | event::REFLECTION,
         }
     } else {
-        // wi.m + eta wo.m, whose square is |wi + eta wo|^2, by Snell's law free of cancellation.
-        let length = (1.0 - eta) * (1.0 + eta) / (abs(cos_i) + eta * abs(cos_t));
-        s.wo = refract(wi, m, cos_t, eta);
-        s.pdf =
-            density * (1.0 - reflectance) * solid_angle_of_refraction(cos_t, eta, length * length);
-        s.weight = lobe.specular_transmittance;
-        if lobe.mode == mode::RADIANCE {
-            s.weight *= 1.0 / (eta * eta);
+        BsdfSample {
+            wo: refracted,
+            weight: transmittance,
+            pdf: refracted_pdf,
+            eta,
+            event: event::GLOSSY | event::TRANSMISSION,
         }
-        s.eta = eta;
-        s.event = event::GLOSSY | event::TRANSMISSION;
-        if s.wo.z * wi.z >= 0.0 {
-            return BsdfSample::NONE;
-        }
-    }
-    if s.pdf <= 0.0 {
-        return BsdfSample::NONE;
-    }
+    };
     // f cos / pdf: Fresnel terms, D and Jacobians cancel, and with Smith's visible normals so does everything of wi.
     s.weight *= abs(s.wo.z) / facets.projected_area(s.wo);
     s.weight *= if all {
@@ -199,7 +213,13 @@ pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
     } else {
         facets.visible_normal_weight(above(wi), m)
     };
-    s
+    let side = s.wo.z * wi.z;
+    let is_there = if is_reflected { side > 0.0 } else { side < 0.0 };
+    if cos_i * wi.z > 0.0 && is_there && s.pdf > 0.0 {
+        s
+    } else {
+        BsdfSample::NONE
+    }
 }
 
 /// Straight on, where there is no boundary.
@@ -216,12 +236,13 @@ pub(super) fn straight(lobe: &Lobe, wi: Vec3) -> BsdfSample {
 
 /// The direction or its opposite, whichever is above the surface: microfacets look alike from both sides.
 #[inline]
-pub(super) fn above(w: Vec3) -> Vec3 {
+pub(crate) fn above(w: Vec3) -> Vec3 {
     if w.z < 0.0 { -w } else { w }
 }
 
 /// Density per solid angle of the sampled normal.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
     if lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0 {
         lobe.microfacets().normal_pdf(m)

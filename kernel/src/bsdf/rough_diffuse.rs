@@ -18,7 +18,7 @@ use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3};
 
 /// The BSDF, without a cosine.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return Vec3::ZERO;
@@ -70,13 +70,13 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of [`sample`] per solid angle.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     diffuse::pdf(lobe, wi, wo)
 }
 
 /// A cosine-distributed direction.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     let mut s = diffuse::sample(lobe, wi, u1, u2);
     if s.pdf > 0.0 {

@@ -18,41 +18,60 @@ use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 
 /// The BSDF, without a cosine.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
-    if wi.z <= 0.0 || wo.z <= 0.0 {
-        return Vec3::ZERO;
-    }
     let transmitted = passed(lobe, data, wi.z) * passed(lobe, data, wo.z);
     let absorbed = plastic::absorption(lobe, wi.z) * plastic::absorption(lobe, wo.z);
-    plastic::base(lobe) * absorbed * transmitted + coat_reflection::eval(lobe, wi, wo)
+    let value = plastic::base(lobe) * absorbed * transmitted + coat_reflection::eval(lobe, wi, wo);
+    if wi.z <= 0.0 || wo.z <= 0.0 {
+        Vec3::ZERO
+    } else {
+        value
+    }
 }
 
 /// Density of [`sample`] per solid angle.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
-    if wi.z <= 0.0 || wo.z <= 0.0 {
-        return 0.0;
-    }
     let p = plastic::specular_probability(lobe, wi.z, 1.0 - passed(lobe, data, wi.z));
-    (1.0 - p) * wo.z * FRAC_1_PI + p * coat_reflection::pdf(lobe, wi, wo)
+    let density = (1.0 - p) * wo.z * FRAC_1_PI + p * coat_reflection::pdf(lobe, wi, wo);
+    if wi.z <= 0.0 || wo.z <= 0.0 {
+        0.0
+    } else {
+        density
+    }
 }
 
 /// A direction of the coating or of the base, `u1` chooses, weighted by the whole.
 #[inline]
 pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    if wi.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    let s = direction(lobe, data, wi, u1, u2, || {
+    sample_at_normal(lobe, data, wi, u1, u2, || {
         lobe.microfacets().sample_visible_normal(wi, u2)
-    });
+    })
+}
+
+/// [`sample`] at the normal that `normal` finds.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(super) fn sample_at_normal(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    normal: impl FnOnce() -> Vec3,
+) -> BsdfSample {
+    let s = direction(lobe, data, wi, u1, u2, normal);
+    // No density, and so no sample, from below.
     let pdf = pdf(lobe, data, wi, s.wo);
     s.weighted(pdf, eval(lobe, data, wi, s.wo))
 }
 
 /// The direction of [`sample`], `normal` finds the visible normal of `u2`.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub(super) fn direction(
     lobe: &Lobe,
     data: &[f32],

@@ -12,7 +12,7 @@
 
 use super::fresnel::{fresnel_dielectric, reflect, refract};
 use super::microfacet::{self, Microfacets};
-use crate::math::float;
+use crate::math::{element, float};
 use crate::scene::NONE;
 use glam::{Vec2, Vec3};
 
@@ -24,41 +24,50 @@ pub const ROW: usize = ENTRIES + 1;
 pub const ROWS: usize = 16;
 
 /// Share of the light from cosine `cos` that passes the boundary; the smooth boundary's where `table` is NONE.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn transmittance(data: &[f32], table: u32, rows: u32, eta: f32, alpha: f32, cos: f32) -> f32 {
     if table == NONE {
         return 1.0 - fresnel_dielectric(cos, eta).0;
     }
-    const LAST: usize = ENTRIES - 1;
+    const LAST: u32 = ENTRIES as u32 - 1;
     let x = cos.max(0.0).min(1.0) * LAST as f32;
-    let i = (x as usize).min(LAST - 1);
+    let i = float::to_index(x).min(LAST - 1);
     let t = x - i as f32;
-    let at = table as usize + i;
+    let at = table + i;
     if rows <= 1 {
-        return float::lerp(data[at], data[at + 1], t);
+        return float::lerp(element(data, at), element(data, at + 1), t);
     }
     let (row, s) = row_of(rows, alpha);
-    let at = at + row * ROW;
+    let at = at + row * ROW as u32;
+    let next = at + ROW as u32;
     float::lerp(
-        float::lerp(data[at], data[at + 1], t),
-        float::lerp(data[at + ROW], data[at + ROW + 1], t),
+        float::lerp(element(data, at), element(data, at + 1), t),
+        float::lerp(element(data, next), element(data, next + 1), t),
         s,
     )
 }
 
 /// Share of diffuse light from inside that the boundary reflects back, from a table of two or more rows.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn internal_reflectance(data: &[f32], table: u32, rows: u32, alpha: f32) -> f32 {
     let (row, s) = row_of(rows, alpha);
-    let at = table as usize + row * ROW + ENTRIES;
-    float::lerp(data[at], data[at + ROW], s)
+    let at = table.wrapping_add(row * ROW as u32 + ENTRIES as u32);
+    float::lerp(
+        element(data, at),
+        element(data, at.wrapping_add(ROW as u32)),
+        s,
+    )
 }
 
 /// The row below `alpha` and the position between it and the next.
-#[inline]
-fn row_of(rows: u32, alpha: f32) -> (usize, f32) {
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+fn row_of(rows: u32, alpha: f32) -> (u32, f32) {
+    let rows = rows.max(2);
     let x = float::sqrt(alpha.max(0.0).min(1.0)) * (rows - 1) as f32;
-    let row = (x as usize).min(rows as usize - 2);
+    let row = float::to_index(x).min(rows - 2);
     (row, x - row as f32)
 }
 

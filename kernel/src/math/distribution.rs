@@ -5,17 +5,21 @@
 //! difference of the stored words: sampling and density agree exactly, whatever the rounding of the table.
 //! Invariant (tests): `fill_cdf` gives every positive weight a positive probability and every zero weight none.
 
+use super::element;
+use super::float::to_index;
 use super::select::select;
 
 /// The probability of index `i` in the table at `offset`.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn cdf_pmf(data: &[f32], offset: u32, i: u32) -> f32 {
-    let upper = data[(offset + i) as usize];
-    if i == 0 {
-        upper
+    let upper = element(data, offset + i);
+    let lower = if i == 0 {
+        0.0
     } else {
-        upper - data[(offset + i - 1) as usize]
-    }
+        element(data, offset + i - 1)
+    };
+    upper - lower
 }
 
 /// Chooses an index of the table of `count >= 1` words at `offset` with `u` in [0, 1).
@@ -30,31 +34,58 @@ pub fn sample_cdf(data: &[f32], offset: u32, count: u32, u: f32) -> (u32, f32, f
 /// where the probabilities do not differ by much.
 #[inline]
 pub fn sample_cdf_guided(data: &[f32], offset: u32, guide: u32, u: f32) -> (u32, f32, f32) {
-    // Exact: a multiplication by a power of two.
-    let cell = ((u * GUIDE_CELLS as f32) as u32).min(GUIDE_CELLS - 1);
-    let low = data[(guide + cell) as usize] as u32;
-    let high = data[(guide + cell + 1) as usize] as u32;
+    let (low, high) = guided_range(data, guide, u);
     search(data, offset, low, high, u)
 }
 
-/// The first index from `low` to `high` whose cumulative value is above `u`, or `high`.
+/// Between which indices of a guided table the one that `u` chooses is.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn guided_range(data: &[f32], guide: u32, u: f32) -> (u32, u32) {
+    // Exact: a multiplication by a power of two.
+    let cell = to_index(u * GUIDE_CELLS as f32).min(GUIDE_CELLS - 1);
+    (
+        to_index(element(data, guide + cell)),
+        to_index(element(data, guide + cell + 1)),
+    )
+}
+
+/// The first index from `low` to `high` whose cumulative value is above `u`, or `high`; see [`sample_cdf`].
 #[inline]
 fn search(data: &[f32], offset: u32, low: u32, high: u32, u: f32) -> (u32, f32, f32) {
     let (mut low, mut high) = (low, high);
     while low < high {
-        let middle = (low + high) / 2;
-        let is_above = data[(offset + middle) as usize] > u;
-        high = select(is_above, middle, high);
-        low = select(is_above, low, middle + 1);
+        (low, high) = halved(data, offset, low, high, u);
     }
-    let lower = if low == 0 {
+    let (stretched, pmf) = interval(data, offset, low, u);
+    (low, stretched, pmf)
+}
+
+/// The half of the indices from `low` to `high`, `low < high`, that holds the first one whose cumulative value is above `u`,
+/// or `high`.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn halved(data: &[f32], offset: u32, low: u32, high: u32, u: f32) -> (u32, u32) {
+    let middle = (low + high) / 2;
+    let is_above = element(data, offset + middle) > u;
+    (
+        select(is_above, low, middle + 1),
+        select(is_above, middle, high),
+    )
+}
+
+/// `u` stretched to [0, 1) inside the interval of the index that it chooses, and the index's probability.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn interval(data: &[f32], offset: u32, index: u32, u: f32) -> (f32, f32) {
+    let lower = if index == 0 {
         0.0
     } else {
-        data[(offset + low - 1) as usize]
+        element(data, offset + index - 1)
     };
-    let pmf = data[(offset + low) as usize] - lower;
+    let pmf = element(data, offset + index) - lower;
     let stretched = if pmf > 0.0 { (u - lower) / pmf } else { 0.0 };
-    (low, stretched.max(0.0).min(ONE_MINUS_EPSILON), pmf)
+    (stretched.max(0.0).min(ONE_MINUS_EPSILON), pmf)
 }
 
 /// Equal parts of [0, 1) that a guide tells where to search: a power of two.

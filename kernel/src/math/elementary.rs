@@ -33,21 +33,15 @@ const EXP_MAX: f32 = 88.722_83;
 const EXP_MIN: f32 = -87.336_54;
 
 /// Exponential; error below 1.3 ulp. Zero below -87.33654, where it would not be normal; infinite above 88.72283.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn exp(x: f32) -> f32 {
     exp_of_sum(x, 0.0)
 }
 
 /// exp(x - less) for a `less` that is far smaller than one.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn exp_of_sum(x: f32, less: f32) -> f32 {
-    if !(x <= EXP_MAX) {
-        // An infinity, or the NaN.
-        return x * f32::INFINITY;
-    }
-    if x < EXP_MIN {
-        return 0.0;
-    }
     // x = n ln 2 + r.
     let t = x * core::f32::consts::LOG2_E + ROUND;
     let n = t - ROUND;
@@ -57,11 +51,18 @@ fn exp_of_sum(x: f32, less: f32) -> f32 {
     let high = r2 * r2 * ((0.041_668_262 + r * 0.008_368_67) + r2 * 0.001_382_100_4);
     let e = 1.0 + (low + high);
     // Times 2^n: the low bits of t move into the exponent, all others out.
-    f32::from_bits(e.to_bits().wrapping_add(t.to_bits() << 23))
+    let power = f32::from_bits(e.to_bits().wrapping_add(t.to_bits() << 23));
+    let power = if x < EXP_MIN { 0.0 } else { power };
+    // Beyond it is an infinity, or the NaN.
+    if x <= EXP_MAX {
+        power
+    } else {
+        x * f32::INFINITY
+    }
 }
 
 /// Natural logarithm; error below 1 ulp. -inf for zeros, a NaN below.
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn ln(x: f32) -> f32 {
     let mut bits = x.to_bits();
     let mut exponent = 0.0;

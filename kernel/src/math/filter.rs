@@ -16,7 +16,7 @@
 //! the guide of the first.
 
 use super::distribution::{GUIDE_WORDS, sample_cdf_guided};
-use super::float;
+use super::{element, float};
 use crate::scene::{Camera, filter_kind};
 use core::f32::consts::PI;
 
@@ -95,19 +95,20 @@ pub fn table_words(size: u32) -> u32 {
 }
 
 /// A table read between its words: the integral up to `position` steps.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn integral_to(data: &[f32], offset: u32, size: u32, position: f32) -> f32 {
     let i = float::floor(position.max(0.0).min(size as f32));
-    let step = i as u32;
+    let step = float::to_index(i);
     let before = if step == 0 {
         0.0
     } else {
-        data[(offset + step - 1) as usize]
+        element(data, offset + step - 1)
     };
     if step >= size {
         return before;
     }
-    float::lerp(before, data[(offset + step) as usize], position - i)
+    float::lerp(before, element(data, offset + step), position - i)
 }
 
 /// Draws an offset from the pixel's centre within [`lo`, `hi`] with `u` in [0, 1); returns the offset and its weight.
@@ -115,41 +116,107 @@ fn integral_to(data: &[f32], offset: u32, size: u32, position: f32) -> f32 {
 /// The interval lies within the filter's radius and holds the pixel. The weight is zero where the filter's integral
 /// over the interval is not positive.
 pub fn sample(camera: &Camera, data: &[f32], lo: f32, hi: f32, u: f32) -> (f32, f32) {
+    if is_even(camera) {
+        return even_sample(lo, hi, u);
+    }
+    let cut = Cut::new(camera, data, lo, hi);
+    if !cut.is_positive() {
+        return cut.middle();
+    }
+    let guide = camera.filter_table + 2 * camera.filter_table_size;
+    let (step, stretched, _) = sample_cdf_guided(data, camera.filter_table, guide, cut.target(u));
+    cut.at(camera, data, step, stretched)
+}
+
+/// Whether samples are drawn evenly, without a table.
+#[inline]
+pub fn is_even(camera: &Camera) -> bool {
     let r = radius(camera.filter, camera.filter_parameters);
-    let size = camera.filter_table_size;
-    if camera.filter == filter_kind::BOX || size == 0 || !(r > 0.0) {
-        return (float::lerp(lo, hi, u).max(lo).min(hi), 1.0);
+    camera.filter == filter_kind::BOX || camera.filter_table_size == 0 || !(r > 0.0)
+}
+
+/// [`sample`] without a table.
+#[inline]
+pub fn even_sample(lo: f32, hi: f32, u: f32) -> (f32, f32) {
+    (float::lerp(lo, hi, u).max(lo).min(hi), 1.0)
+}
+
+/// The part of a filter with a table that an interval leaves.
+#[derive(Clone, Copy)]
+pub struct Cut {
+    lo: f32,
+    hi: f32,
+    /// Integrals of |f| and of f up to both ends.
+    absolute: [f32; 2],
+    signed: [f32; 2],
+}
+
+impl Cut {
+    /// The part within [`lo`, `hi`], see [`sample`].
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    pub fn new(camera: &Camera, data: &[f32], lo: f32, hi: f32) -> Cut {
+        let r = radius(camera.filter, camera.filter_parameters);
+        let size = camera.filter_table_size;
+        let absolute = camera.filter_table;
+        let signed = camera.filter_table + size;
+        let steps_per_pixel = size as f32 / (2.0 * r);
+        let mut cut = Cut {
+            lo,
+            hi,
+            absolute: [0.0, element(data, absolute + size - 1)],
+            signed: [0.0, element(data, signed + size - 1)],
+        };
+        if lo > -r || hi < r {
+            let from = (lo + r) * steps_per_pixel;
+            let to = (hi + r) * steps_per_pixel;
+            cut.absolute[0] = integral_to(data, absolute, size, from);
+            cut.absolute[1] = integral_to(data, absolute, size, to);
+            cut.signed[0] = integral_to(data, signed, size, from);
+            cut.signed[1] = integral_to(data, signed, size, to);
+        }
+        cut
     }
-    let absolute = camera.filter_table;
-    let signed = camera.filter_table + size;
-    let steps_per_pixel = size as f32 / (2.0 * r);
-    let (mut a0, mut a1) = (0.0, data[(absolute + size - 1) as usize]);
-    let (mut s0, mut s1) = (0.0, data[(signed + size - 1) as usize]);
-    if lo > -r || hi < r {
-        let from = (lo + r) * steps_per_pixel;
-        let to = (hi + r) * steps_per_pixel;
-        a0 = integral_to(data, absolute, size, from);
-        a1 = integral_to(data, absolute, size, to);
-        s0 = integral_to(data, signed, size, from);
-        s1 = integral_to(data, signed, size, to);
+
+    /// Whether something is left that samples can stand for.
+    #[inline]
+    pub fn is_positive(&self) -> bool {
+        self.absolute[1] > self.absolute[0] && self.signed[1] > self.signed[0]
     }
-    if !(a1 > a0) || !(s1 > s0) {
-        return (0.5 * (lo + hi), 0.0);
+
+    /// The sample where nothing is left.
+    #[inline]
+    pub fn middle(&self) -> (f32, f32) {
+        (0.5 * (self.lo + self.hi), 0.0)
     }
-    let target = float::lerp(a0, a1, u);
-    let (step, stretched, _) = sample_cdf_guided(data, absolute, signed + size, target);
-    let offset = (step as f32 + stretched) / steps_per_pixel - r;
-    let before = if step == 0 {
-        0.0
-    } else {
-        data[(signed + step - 1) as usize]
-    };
-    let is_negative = data[(signed + step) as usize] < before;
-    let weight = (a1 - a0) / (s1 - s0);
-    (
-        offset.max(lo).min(hi),
-        if is_negative { -weight } else { weight },
-    )
+
+    /// The number by which `u` chooses a step of the table.
+    #[inline]
+    pub fn target(&self, u: f32) -> f32 {
+        float::lerp(self.absolute[0], self.absolute[1], u)
+    }
+
+    /// Offset and weight at a position within a step.
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    pub fn at(&self, camera: &Camera, data: &[f32], step: u32, position: f32) -> (f32, f32) {
+        let r = radius(camera.filter, camera.filter_parameters);
+        let size = camera.filter_table_size;
+        let signed = camera.filter_table + size;
+        let steps_per_pixel = size as f32 / (2.0 * r);
+        let offset = (step as f32 + position) / steps_per_pixel - r;
+        let before = if step == 0 {
+            0.0
+        } else {
+            element(data, signed + step - 1)
+        };
+        let is_negative = element(data, signed + step) < before;
+        let weight = (self.absolute[1] - self.absolute[0]) / (self.signed[1] - self.signed[0]);
+        (
+            offset.max(self.lo).min(self.hi),
+            if is_negative { -weight } else { weight },
+        )
+    }
 }
 
 /// Fills the table of a filter; `out` has [`table_words`] of the number of steps.

@@ -53,12 +53,12 @@ pub fn floor(x: f32) -> f32 {
     #[cfg(all(target_arch = "x86_64", not(target_feature = "sse4.1")))]
     {
         // From 2^23 on every float is whole.
-        if abs(x) < 8_388_608.0 {
-            let whole = x as i32 as f32;
-            if whole > x { whole - 1.0 } else { whole }
-        } else {
-            x
-        }
+        let is_whole = !(abs(x) < 8_388_608.0);
+        let inside = if is_whole { 0.0 } else { x };
+        // SAFETY: `inside` is not a NaN and within the range of the integer.
+        let whole = unsafe { inside.to_int_unchecked::<i32>() } as f32;
+        let below = if whole > x { whole - 1.0 } else { whole };
+        if is_whole { x } else { below }
     }
     #[cfg(not(all(target_arch = "x86_64", not(target_feature = "sse4.1"))))]
     {
@@ -70,6 +70,45 @@ pub fn floor(x: f32) -> f32 {
         {
             libm::floorf(x)
         }
+    }
+}
+
+/// The whole part of `x` from 0 to 2^31 - 128; nearer ends for numbers beyond, 0 for a NaN.
+///
+/// As the compiler's own conversion within that range, but without what that one does beyond, which vectors lack.
+#[inline]
+pub fn to_index(x: f32) -> u32 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    let x = if x < 2_147_483_520.0 {
+        x
+    } else {
+        2_147_483_520.0
+    };
+    #[cfg(target_arch = "spirv")]
+    {
+        x as u32
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    {
+        // SAFETY: `x` is not a NaN and has been brought into the range of the integer.
+        unsafe { x.to_int_unchecked::<i32>() as u32 }
+    }
+}
+
+/// The whole number `x` within 2^30 from zero, nearer ends for numbers beyond, the lower one for a NaN. See [`to_index`].
+#[inline]
+pub fn to_integer(x: f32) -> i32 {
+    const END: f32 = 1_073_741_824.0;
+    let x = if x > -END { x } else { -END };
+    let x = if x < END { x } else { END };
+    #[cfg(target_arch = "spirv")]
+    {
+        x as i32
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    {
+        // SAFETY: `x` is not a NaN and has been brought into the range of the integer.
+        unsafe { x.to_int_unchecked::<i32>() }
     }
 }
 
@@ -176,7 +215,7 @@ pub fn erf(x: f32) -> f32 {
 ///
 /// `(1 + 2 x) exp(x^2) erfc(x)` is a polynomial in `(x - 2) / (x + 2)` (the form of Shepherd and Laframboise 1981,
 /// "Chebyshev approximation of (1 + 2x) exp(x^2) erfc x in 0 <= x < infinity"; coefficients fitted anew).
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn erfc_scaled(x: f32) -> f32 {
     let x = if x > 0.0 { x } else { 0.0 };
     polynomial!((x - 2.0) / (x + 2.0); 1.27697837, -0.0927630812, -0.166031092, 0.164035842, -0.0542119592, -0.00794272125, 0.00868915953, 0.00104314461, -0.0013957069, -0.00018365444, 0.000160803582)
@@ -188,7 +227,7 @@ pub fn erfc_scaled(x: f32) -> f32 {
 ///
 /// Two polynomials over `w = -ln(1 - x^2)`, in `w` below 5 and in its square root above (the form of Giles 2012,
 /// "Approximating the erfinv function"; coefficients fitted anew).
-#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn erf_inv(x: f32) -> f32 {
     const LIMIT: f32 = 0.999_999_94;
     let x = x.max(-LIMIT).min(LIMIT);

@@ -10,12 +10,16 @@ pub mod elementary;
 pub mod filter;
 pub mod float;
 pub mod frame;
+#[cfg(not(target_arch = "spirv"))]
+pub mod lanes;
 pub mod moebius;
 pub mod ray;
 pub mod scaled;
 pub mod select;
 pub mod slope_gaussian;
 pub mod statistics;
+#[cfg(not(target_arch = "spirv"))]
+pub mod vectors;
 pub mod warp;
 
 pub use frame::Frame;
@@ -50,4 +54,34 @@ pub fn entry<const N: usize>(table: [f32; N], i: usize) -> f32 {
     }
     #[cfg(not(target_arch = "spirv"))]
     table[i]
+}
+
+/// Element `i` of a table, on hosts zeros beyond its end: loops over lanes become vectors only where nothing can panic.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn element<T: Copy + bytemuck::Zeroable>(table: &[T], i: u32) -> T {
+    #[cfg(target_arch = "spirv")]
+    {
+        table[i as usize]
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    match table.get(i as usize) {
+        Some(value) => *value,
+        None => T::zeroed(),
+    }
+}
+
+/// A field of element `i` of a table, as [`element`]: for lanes, where whole records would be read in pieces of two words.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn field<T, U: bytemuck::Zeroable>(table: &[T], i: u32, of: impl FnOnce(&T) -> U) -> U {
+    #[cfg(target_arch = "spirv")]
+    {
+        of(&table[i as usize])
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    match table.get(i as usize) {
+        Some(value) => of(value),
+        None => U::zeroed(),
+    }
 }

@@ -112,6 +112,7 @@ fn lens_point(camera: &Camera, u_lens: Vec2) -> Vec2 {
 }
 
 /// The ray through a film position in pixels of the whole film and a lens point.
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn ray_through(camera: &Camera, film: Vec2, u_lens: Vec2) -> Ray {
     let p = film_to_local(camera, film);
     let (near, far) = (camera.clip[0], camera.clip[1]);
@@ -159,23 +160,8 @@ pub fn sample_ray(
     u_lens: Vec2,
 ) -> CameraSample {
     let camera = &tables.camera;
-    let radius = filter::radius(camera.filter, camera.filter_parameters);
-    let (x, weight_x) = sample_axis(
-        tables,
-        pixel[0],
-        camera.crop_offset[0],
-        camera.crop_size[0],
-        radius,
-        u_film.x,
-    );
-    let (y, weight_y) = sample_axis(
-        tables,
-        pixel[1],
-        camera.crop_offset[1],
-        camera.crop_size[1],
-        radius,
-        u_film.y,
-    );
+    let (x, weight_x) = sample_axis::<0>(tables, pixel[0], u_film.x);
+    let (y, weight_y) = sample_axis::<1>(tables, pixel[1], u_film.y);
     let film = Vec2::new(x, y);
     CameraSample {
         ray: ray_through(camera, film, u_lens),
@@ -186,29 +172,58 @@ pub fn sample_ray(
 
 /// A film coordinate for a pixel and its weight: the filter around the pixel's centre, cut at the crop window.
 #[inline]
-fn sample_axis(
-    tables: &Tables<'_>,
-    pixel: u32,
-    crop_offset: u32,
-    crop_size: u32,
-    radius: f32,
-    u: f32,
-) -> (f32, f32) {
-    let center = pixel as f32 + 0.5;
-    let to_start = crop_offset as f32 - center;
-    let to_end = (crop_offset + crop_size) as f32 - center;
-    let lo = if to_start > -radius {
-        to_start
-    } else {
-        -radius
-    };
-    let hi = if to_end < radius { to_end } else { radius };
-    if !(hi > lo) {
-        // A pixel outside the window.
-        return (center, 0.0);
+fn sample_axis<const AXIS: usize>(tables: &Tables<'_>, pixel: u32, u: f32) -> (f32, f32) {
+    let support = Support::new::<AXIS>(&tables.camera, pixel);
+    if support.is_empty() {
+        return support.outside();
     }
+    let (lo, hi) = (support.lo, support.hi);
     let (offset, weight) = filter::sample(&tables.camera, tables.data, lo, hi, u);
-    (center + offset, weight)
+    (support.center + offset, weight)
+}
+
+/// What the film's window leaves of a filter's support, along an axis.
+#[derive(Clone, Copy)]
+pub struct Support {
+    /// The pixel's centre.
+    pub center: f32,
+    /// From the centre to the lower end.
+    pub lo: f32,
+    /// From the centre to the upper end.
+    pub hi: f32,
+}
+
+impl Support {
+    /// Around the centre of a pixel by its coordinate (absolute, crop offset included) along axis 0 or 1.
+    #[inline]
+    pub fn new<const AXIS: usize>(camera: &Camera, pixel: u32) -> Support {
+        let radius = filter::radius(camera.filter, camera.filter_parameters);
+        let (offset, size) = (camera.crop_offset[AXIS], camera.crop_size[AXIS]);
+        let center = pixel as f32 + 0.5;
+        let to_start = offset as f32 - center;
+        let to_end = (offset + size) as f32 - center;
+        Support {
+            center,
+            lo: if to_start > -radius {
+                to_start
+            } else {
+                -radius
+            },
+            hi: if to_end < radius { to_end } else { radius },
+        }
+    }
+
+    /// Whether nothing is left, for a pixel outside the window.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        !(self.hi > self.lo)
+    }
+
+    /// Coordinate and weight for such a pixel.
+    #[inline]
+    pub fn outside(&self) -> (f32, f32) {
+        (self.center, 0.0)
+    }
 }
 
 /// Where `point` is seen through the lens point of `u_lens`, and its importance.

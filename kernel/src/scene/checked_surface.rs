@@ -1,9 +1,9 @@
 //! The surface at a hit, for callers that must not panic whatever the traverser says.
 //!
 //! [`surface_at`](super::surface_at) looks up a hit's primitive, its shape and vertices and its instance, and a traverser
-//! over other tables than the view's would lead it beyond their ends. Here each look-up asks first, once, and the hit is
-//! refused. A walk takes this way; a traverser over the same tables is never refused. Checked: hits of every index against
-//! `surface_at`; that the walk, compiled, calls no panic handler (`benches/README.md`).
+//! over other tables than the view's would lead it beyond their ends, to a panic or to zeros. Here each look-up asks
+//! first, once, and the hit is refused. A walk takes this way; a traverser over the same tables is never refused. Checked:
+//! hits of every index against `surface_at`; that the walk, compiled, calls no panic handler (`benches/README.md`).
 
 use super::features;
 use super::quadric::quadric_point_with;
@@ -106,8 +106,15 @@ fn checked_corners(tables: &Tables<'_>, primitive: u32) -> CheckedCorners {
         return out;
     }
     let shape = tables.shapes[triangle.shape as usize];
-    out.corners.shape = shape;
-    out.corners.shape_index = triangle.shape;
+    out.corners = Corners {
+        shape: triangle.shape,
+        material: shape.material,
+        emitter: shape.emitter,
+        flags: shape.flags,
+        normal_offset: shape.normal_offset,
+        uv_offset: shape.uv_offset,
+        ..Corners::ZERO
+    };
     for i in 0..3 {
         let vertex = triangle.vertices[i];
         if vertex as usize >= tables.positions.len() {
@@ -122,7 +129,7 @@ fn checked_corners(tables: &Tables<'_>, primitive: u32) -> CheckedCorners {
             let uv = tables.uvs[at];
             out.corners.uvs[i] = Vec2::new(uv[0], uv[1]);
         }
-        if is_smooth(&shape) {
+        if is_smooth(shape.normal_offset, shape.flags) {
             let at = vertex.wrapping_add(shape.normal_offset) as usize;
             if at >= tables.normals.len() {
                 return out;

@@ -3,6 +3,9 @@
 //! A front end fills vectors of the [`records`] and lends them as [`Tables`]; with a ray traverser they make a
 //! [`SceneView`], the only thing that transport algorithms see.
 
+#[cfg(not(target_arch = "spirv"))]
+pub mod batch;
+pub mod bitmap;
 pub mod bvh2;
 pub mod camera;
 pub mod checked_surface;
@@ -17,6 +20,8 @@ pub mod traverse;
 pub mod triangle;
 pub mod view;
 
+#[cfg(not(target_arch = "spirv"))]
+pub use batch::{HitBatch, RayBatch};
 pub use bvh2::{Bvh2Traverse, BvhNode};
 pub use intersect::{offset_origin, segment};
 pub use records::*;

@@ -14,11 +14,11 @@ use super::intersect::ROUNDING;
 use super::records::{quadric_kind, shape_flag};
 use super::surface::{NormalMap, SurfacePoint, detail};
 use super::view::Tables;
-use crate::math::Frame;
 use crate::math::affine::{
     transform_magnitude, transform_normal, transform_point, transform_vector, translation,
 };
 use crate::math::float::{atan2, sin_cos_turns, sqrt};
+use crate::math::{Frame, field};
 use core::f32::consts::{FRAC_1_PI, PI, TAU};
 use glam::{Vec2, Vec3};
 
@@ -39,7 +39,7 @@ struct Canonical {
 /// The point at canonical parameters, in the space of the quadric's group.
 #[inline]
 pub fn quadric_point(tables: &Tables<'_>, quadric: u32, u: f32, v: f32) -> SurfacePoint {
-    let kind = tables.quadrics[quadric as usize].kind;
+    let kind = field(tables.quadrics, quadric, |q| q.kind);
     let canonical = if kind == quadric_kind::SPHERE {
         let (sin_phi, cos_phi) = sin_cos_turns(u);
         let (sin_theta, cos_theta) = sin_cos_turns(0.5 * v);
@@ -61,13 +61,14 @@ pub fn quadric_point_at(tables: &Tables<'_>, quadric: u32, p: Vec3) -> SurfacePo
 }
 
 /// [`quadric_point_at`] with one of the degrees of [`detail`].
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn quadric_point_with<const DETAIL: u32>(
     tables: &Tables<'_>,
     quadric: u32,
     p: Vec3,
 ) -> SurfacePoint {
-    let kind = tables.quadrics[quadric as usize].kind;
+    let kind = field(tables.quadrics, quadric, |q| q.kind);
     let rho = sqrt(p.x * p.x + p.y * p.y);
     let (cos_phi, sin_phi) = if rho > 0.0 {
         (p.x / rho, p.y / rho)
@@ -153,12 +154,15 @@ fn cylinder(cos_phi: f32, sin_phi: f32, uv: Vec2) -> Canonical {
 }
 
 /// The canonical point under the quadric's affine map.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn to_group<const DETAIL: u32>(tables: &Tables<'_>, quadric: u32, c: Canonical) -> SurfacePoint {
-    let record = &tables.quadrics[quadric as usize];
-    let shape = &tables.shapes[record.shape as usize];
-    let (to_world, to_object) = (&record.to_world, &record.to_object);
-    let sign = if shape.flags & shape_flag::FLIP_NORMALS != 0 {
+    let shape = field(tables.quadrics, quadric, |q| q.shape);
+    let (to_world, to_object) = (
+        &field(tables.quadrics, quadric, |q| q.to_world),
+        &field(tables.quadrics, quadric, |q| q.to_object),
+    );
+    let sign = if field(tables.shapes, shape, |s| s.flags) & shape_flag::FLIP_NORMALS != 0 {
         -1.0
     } else {
         1.0
@@ -200,10 +204,10 @@ fn to_group<const DETAIL: u32>(tables: &Tables<'_>, quadric: u32, c: Canonical) 
         dp_dv,
         dn_du,
         dn_dv,
-        shape: record.shape,
+        shape,
         primitive: tables.triangles.len() as u32 + quadric,
         instance: 0,
-        material: shape.material,
-        emitter: shape.emitter,
+        material: field(tables.shapes, shape, |s| s.material),
+        emitter: field(tables.shapes, shape, |s| s.emitter),
     }
 }

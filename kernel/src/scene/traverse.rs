@@ -1,5 +1,7 @@
 //! What a ray tracer must answer.
 
+#[cfg(not(target_arch = "spirv"))]
+use super::batch::{HitBatch, RayBatch};
 use crate::math::Ray;
 use bytemuck::{Pod, Zeroable};
 
@@ -57,4 +59,32 @@ pub trait Traverse {
     fn closest_hit(&self, ray: &Ray) -> Hit;
     /// Whether anything lies in `t_min < t < t_max`.
     fn is_occluded(&self, ray: &Ray) -> bool;
+
+    /// [`Traverse::closest_hit`] of the first `count` rays.
+    #[cfg(not(target_arch = "spirv"))]
+    fn closest_hits<const N: usize>(
+        &self,
+        rays: &RayBatch<N>,
+        count: usize,
+        hits: &mut HitBatch<N>,
+    ) {
+        for i in 0..count.min(N) {
+            hits.set(i, &self.closest_hit(&rays.get(i)));
+        }
+    }
+
+    /// [`Traverse::is_occluded`] of the first `count` rays: [`HitBatch::is_hit`] tells which are. Nothing else of the hits is
+    /// meant to be read.
+    #[cfg(not(target_arch = "spirv"))]
+    fn are_occluded<const N: usize>(
+        &self,
+        rays: &RayBatch<N>,
+        count: usize,
+        hits: &mut HitBatch<N>,
+    ) {
+        for i in 0..count.min(N) {
+            let is_occluded = self.is_occluded(&rays.get(i));
+            hits.t[i] = if is_occluded { 0.0 } else { f32::MAX };
+        }
+    }
 }

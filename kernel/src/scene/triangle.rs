@@ -8,11 +8,11 @@
 //! zero derivatives. Checked: every derivative against central differences in f64.
 
 use super::intersect::ROUNDING;
-use super::records::{NONE, Shape, shape_flag};
+use super::records::{NONE, shape_flag};
 use super::surface::{NormalMap, SurfacePoint, detail, unit_or};
 use super::view::Tables;
 use crate::math::float::{abs, sqrt};
-use crate::math::{Frame, vec3};
+use crate::math::{Frame, element, field, vec3};
 use glam::{Vec2, Vec3};
 
 /// The point with barycentric weights `b1`, `b2` of the second and third vertex, in the space of its group.
@@ -22,7 +22,8 @@ pub fn triangle_point(tables: &Tables<'_>, primitive: u32, b1: f32, b2: f32) -> 
 }
 
 /// [`triangle_point`] with one of the degrees of [`detail`].
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn triangle_point_with<const DETAIL: u32>(
     tables: &Tables<'_>,
     primitive: u32,
@@ -36,8 +37,13 @@ pub fn triangle_point_with<const DETAIL: u32>(
 /// What the tables hold about a triangle.
 #[derive(Clone, Copy)]
 pub(super) struct Corners {
-    pub shape_index: u32,
-    pub shape: Shape,
+    pub shape: u32,
+    pub material: u32,
+    pub emitter: u32,
+    /// Of the shape.
+    pub flags: u32,
+    pub normal_offset: u32,
+    pub uv_offset: u32,
     pub positions: [Vec3; 3],
     /// Zeros without texture coordinates.
     pub uvs: [Vec2; 3],
@@ -48,17 +54,12 @@ pub(super) struct Corners {
 impl Corners {
     /// Of no triangle.
     pub const ZERO: Corners = Corners {
-        shape_index: 0,
-        shape: Shape {
-            material: 0,
-            emitter: NONE,
-            flags: 0,
-            normal_offset: NONE,
-            uv_offset: NONE,
-            first_vertex: 0,
-            first_primitive: 0,
-            primitive_count: 0,
-        },
+        shape: 0,
+        material: 0,
+        emitter: NONE,
+        flags: 0,
+        normal_offset: NONE,
+        uv_offset: NONE,
         positions: [Vec3::ZERO; 3],
         uvs: [Vec2::ZERO; 3],
         normals: [Vec3::ZERO; 3],
@@ -73,53 +74,58 @@ pub(super) fn area([p0, p1, p2]: [Vec3; 3]) -> f32 {
 
 /// Whether the vertex normals of a mesh are to be interpolated.
 #[inline]
-pub(super) fn is_smooth(shape: &Shape) -> bool {
-    shape.normal_offset != NONE && shape.flags & shape_flag::FACE_NORMALS == 0
+pub(super) fn is_smooth(normal_offset: u32, flags: u32) -> bool {
+    normal_offset != NONE && flags & shape_flag::FACE_NORMALS == 0
 }
 
 /// What the tables hold about a triangle.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub(super) fn corners(tables: &Tables<'_>, primitive: u32) -> Corners {
-    let triangle = &tables.triangles[primitive as usize];
-    let shape = tables.shapes[triangle.shape as usize];
+    let triangle = element(tables.triangles, primitive);
+    let shape = triangle.shape;
     let [i0, i1, i2] = triangle.vertices;
     let mut corners = Corners {
-        shape_index: triangle.shape,
         shape,
+        material: field(tables.shapes, shape, |s| s.material),
+        emitter: field(tables.shapes, shape, |s| s.emitter),
+        flags: field(tables.shapes, shape, |s| s.flags),
+        normal_offset: field(tables.shapes, shape, |s| s.normal_offset),
+        uv_offset: field(tables.shapes, shape, |s| s.uv_offset),
         positions: [
-            vec3(tables.positions[i0 as usize]),
-            vec3(tables.positions[i1 as usize]),
-            vec3(tables.positions[i2 as usize]),
+            vec3(element(tables.positions, i0)),
+            vec3(element(tables.positions, i1)),
+            vec3(element(tables.positions, i2)),
         ],
         ..Corners::ZERO
     };
-    if shape.uv_offset != NONE {
+    let (uv_offset, normal_offset) = (corners.uv_offset, corners.normal_offset);
+    if uv_offset != NONE {
         corners.uvs = [
-            uv_of(tables, i0, shape.uv_offset),
-            uv_of(tables, i1, shape.uv_offset),
-            uv_of(tables, i2, shape.uv_offset),
+            uv_of(tables, i0, uv_offset),
+            uv_of(tables, i1, uv_offset),
+            uv_of(tables, i2, uv_offset),
         ];
     }
-    if is_smooth(&shape) {
+    if is_smooth(normal_offset, corners.flags) {
         corners.normals = [
-            normal_of(tables, i0, shape.normal_offset),
-            normal_of(tables, i1, shape.normal_offset),
-            normal_of(tables, i2, shape.normal_offset),
+            normal_of(tables, i0, normal_offset),
+            normal_of(tables, i1, normal_offset),
+            normal_of(tables, i2, normal_offset),
         ];
     }
     corners
 }
 
 /// [`triangle_point_with`] of a triangle that has been looked up.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub(super) fn triangle_point_of<const DETAIL: u32>(
     corners: &Corners,
     primitive: u32,
     b1: f32,
     b2: f32,
 ) -> SurfacePoint {
-    let shape = &corners.shape;
     let [p0, p1, p2] = corners.positions;
     let (e1, e2) = (p1 - p0, p2 - p0);
     let position = p0 + e1 * b1 + e2 * b2;
@@ -136,12 +142,12 @@ pub(super) fn triangle_point_of<const DETAIL: u32>(
 
     // The map from (b1, b2) to (u, v), by its columns.
     let (mut uv, mut duv1, mut duv2) = (Vec2::new(b1, b2), Vec2::X, Vec2::Y);
-    if shape.uv_offset != NONE {
+    if corners.uv_offset != NONE {
         let [uv0, uv1, uv2] = corners.uvs;
         (duv1, duv2) = (uv1 - uv0, uv2 - uv0);
         uv = uv0 + duv1 * b1 + duv2 * b2;
     }
-    let is_smooth = is_smooth(shape);
+    let is_smooth = is_smooth(corners.normal_offset, corners.flags);
     let (mut dn1, mut dn2) = (Vec3::ZERO, Vec3::ZERO);
     let mut n = geometric_normal;
     if is_smooth {
@@ -156,7 +162,7 @@ pub(super) fn triangle_point_of<const DETAIL: u32>(
     }
     let position_error = position_error(position, e1, e2, geometric_normal, inverse_area2);
     let map_normal = geometric_normal;
-    if shape.flags & shape_flag::FLIP_NORMALS != 0 {
+    if corners.flags & shape_flag::FLIP_NORMALS != 0 {
         geometric_normal = -geometric_normal;
         n = -n;
         dn1 = -dn1;
@@ -195,11 +201,11 @@ pub(super) fn triangle_point_of<const DETAIL: u32>(
         dp_dv,
         dn_du,
         dn_dv,
-        shape: corners.shape_index,
+        shape: corners.shape,
         primitive,
         instance: 0,
-        material: shape.material,
-        emitter: shape.emitter,
+        material: corners.material,
+        emitter: corners.emitter,
     }
 }
 
@@ -259,7 +265,8 @@ struct UvMap {
 }
 
 impl UvMap {
-    #[inline]
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     fn new(duv1: Vec2, duv2: Vec2, e1: Vec3, e2: Vec3, normal: Vec3, inverse_area2: f32) -> UvMap {
         let determinant = duv1.x * duv2.y - duv1.y * duv2.x;
         let inverse = 1.0 / determinant;
@@ -311,11 +318,11 @@ impl UvMap {
 
 #[inline]
 fn normal_of(tables: &Tables<'_>, vertex: u32, offset: u32) -> Vec3 {
-    vec3(tables.normals[vertex.wrapping_add(offset) as usize])
+    vec3(element(tables.normals, vertex.wrapping_add(offset)))
 }
 
 #[inline]
 fn uv_of(tables: &Tables<'_>, vertex: u32, offset: u32) -> Vec2 {
-    let uv = tables.uvs[vertex.wrapping_add(offset) as usize];
+    let uv = element(tables.uvs, vertex.wrapping_add(offset));
     Vec2::new(uv[0], uv[1])
 }

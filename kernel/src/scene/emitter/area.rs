@@ -16,7 +16,7 @@
 use super::DirectSample;
 use crate::math::affine::{determinant, transform_normal, transform_point, transform_vector};
 use crate::math::distribution::{cdf_pmf, sample_cdf};
-use crate::math::{Frame, Rgb, float, vec3, warp};
+use crate::math::{Frame, Rgb, field, float, vec3, warp};
 use crate::scene::quadric::quadric_point_with;
 use crate::scene::surface::detail;
 use crate::scene::texture::eval_rgb;
@@ -81,40 +81,20 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
         let (triangle, u_x, pmf) =
             sample_cdf(tables.data, record.distribution, shape.primitive_count, u.x);
         let primitive = shape.first_primitive + triangle;
-        let corners = corners(tables, primitive);
-        let area = area(corners.positions);
-        if !(area > 0.0) {
-            return DirectSample::NONE;
-        }
-        let b = warp::square_to_triangle(Vec2::new(u_x, u.y));
-        let point = triangle_point_of::<{ detail::NORMALS }>(&corners, primitive, b.x, b.y);
-        (towards(reference, &point, pmf / area), point)
+        on_triangle(tables, primitive, pmf, reference, Vec2::new(u_x, u.y))
     } else {
         let index = shape.first_primitive;
         let quadric = &tables.quadrics[index as usize];
-        let cone = if quadric.kind == quadric_kind::SPHERE {
-            sample_cone(quadric, reference, u)
-        } else {
-            Cone::NONE
-        };
-        let p = if quadric.kind == quadric_kind::SPHERE {
-            cone.point
-        } else if quadric.kind == quadric_kind::DISK {
-            warp::square_to_disk(u).extend(0.0)
-        } else {
-            let (s, c) = float::sin_cos(TAU * u.x);
-            Vec3::new(c, s, u.y)
-        };
-        let point = quadric_point_with::<{ detail::NORMALS }>(tables, index, p);
         if quadric.kind == quadric_kind::SPHERE {
-            let sample = DirectSample {
-                direction: cone.direction,
-                distance: cone.distance,
-                pdf: cone.pdf,
-                ..DirectSample::NONE
-            };
-            (sample, point)
+            on_sphere(tables, index, reference, u)
         } else {
+            let p = if quadric.kind == quadric_kind::DISK {
+                warp::square_to_disk(u).extend(0.0)
+            } else {
+                let (s, c) = float::sin_cos(TAU * u.x);
+                Vec3::new(c, s, u.y)
+            };
+            let point = quadric_point_with::<{ detail::NORMALS }>(tables, index, p);
             let pdf_area = quadric_pdf_area(quadric, p);
             (towards(reference, &point, pdf_area), point)
         }
@@ -129,6 +109,52 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
     sample
 }
 
+/// A point of a triangle that has been chosen with the probability `pmf`, without its radiance.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn on_triangle(
+    tables: &Tables<'_>,
+    primitive: u32,
+    pmf: f32,
+    reference: Vec3,
+    u: Vec2,
+) -> (DirectSample, SurfacePoint) {
+    let corners = corners(tables, primitive);
+    let area = area(corners.positions);
+    let b = warp::square_to_triangle(u);
+    let point = triangle_point_of::<{ detail::NORMALS }>(&corners, primitive, b.x, b.y);
+    let sample = if area > 0.0 {
+        towards(reference, &point, pmf / area)
+    } else {
+        DirectSample::NONE
+    };
+    (sample, point)
+}
+
+/// A point of a sphere by its index among the quadrics, without its radiance.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn on_sphere(
+    tables: &Tables<'_>,
+    index: u32,
+    reference: Vec3,
+    u: Vec2,
+) -> (DirectSample, SurfacePoint) {
+    let (to_world, to_object) = (
+        field(tables.quadrics, index, |q| q.to_world),
+        field(tables.quadrics, index, |q| q.to_object),
+    );
+    let cone = sample_cone(&to_world, &to_object, reference, u);
+    let point = quadric_point_with::<{ detail::NORMALS }>(tables, index, cone.point);
+    let sample = DirectSample {
+        direction: cone.direction,
+        distance: cone.distance,
+        pdf: cone.pdf,
+        ..DirectSample::NONE
+    };
+    (sample, point)
+}
+
 /// Whether a shape is analytic: quadrics and meshes count their primitives apart, and only one of the two tables holds
 /// the shape at its first primitive.
 #[inline]
@@ -138,7 +164,8 @@ fn is_quadric(tables: &Tables<'_>, shape: u32) -> bool {
 }
 
 /// Direction, distance and density of a point with a density per area; no sample where that is not finite.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn towards(reference: Vec3, point: &SurfacePoint, pdf_area: f32) -> DirectSample {
     let pdf = per_solid_angle(reference, point, pdf_area);
     if !(pdf > 0.0) {
@@ -236,14 +263,14 @@ fn sphere_pdf(quadric: &Quadric, reference: Vec3, position: Vec3) -> f32 {
     }
     let d = transform_vector(&quadric.to_object, to_light / length);
     let pdf = warp::uniform_cone_pdf(sphere_cone(distance2))
-        * object_per_world_solid_angle(quadric, d.length());
+        * object_per_world_solid_angle(&quadric.to_world, d.length());
     if float::is_finite(pdf) { pdf } else { 0.0 }
 }
 
 /// d(object solid angle) / d(world solid angle) in a world direction whose image has the length `image_length`.
 #[inline]
-fn object_per_world_solid_angle(quadric: &Quadric, image_length: f32) -> f32 {
-    1.0 / (float::abs(determinant(&quadric.to_world)) * image_length * image_length * image_length)
+fn object_per_world_solid_angle(to_world: &[f32; 12], image_length: f32) -> f32 {
+    1.0 / (float::abs(determinant(to_world)) * image_length * image_length * image_length)
 }
 
 /// A direction towards a sphere, where it meets the unit sphere of object space, and its density; zero for none.
@@ -264,9 +291,10 @@ impl Cone {
 }
 
 /// Samples the cone of directions towards a sphere.
-#[inline]
-fn sample_cone(quadric: &Quadric, reference: Vec3, u: Vec2) -> Cone {
-    let origin = transform_point(&quadric.to_object, reference);
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+fn sample_cone(to_world: &[f32; 12], to_object: &[f32; 12], reference: Vec3, u: Vec2) -> Cone {
+    let origin = transform_point(to_object, reference);
     let distance2 = origin.length_squared();
     let distance = float::sqrt(distance2);
     // Frame with z towards the centre: the reference point is (0, 0, -distance).
@@ -292,13 +320,13 @@ fn sample_cone(quadric: &Quadric, reference: Vec3, u: Vec2) -> Cone {
     } else {
         t * d.z - distance
     };
-    let world = transform_vector(&quadric.to_world, frame.to_world(d));
+    let world = transform_vector(to_world, frame.to_world(d));
     let length = world.length();
     if !(length > 0.0) || !(t > 0.0) {
         return Cone::NONE;
     }
-    let pdf =
-        warp::uniform_cone_pdf(one_minus_cos) * object_per_world_solid_angle(quadric, 1.0 / length);
+    let pdf = warp::uniform_cone_pdf(one_minus_cos)
+        * object_per_world_solid_angle(to_world, 1.0 / length);
     if !(pdf > 0.0) || !float::is_finite(pdf) {
         return Cone::NONE;
     }

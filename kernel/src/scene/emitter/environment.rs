@@ -17,7 +17,7 @@ use super::DirectSample;
 use crate::math::affine::transform_vector;
 use crate::math::distribution::{GUIDE_WORDS, cdf_pmf, sample_cdf_guided};
 use crate::math::warp::{UNIFORM_SPHERE_PDF, square_to_uniform_sphere};
-use crate::math::{Rgb, float, vec3};
+use crate::math::{Rgb, element, float, vec3};
 use crate::scene::texture::eval_uv;
 use crate::scene::{Emitter, NONE, Tables, emitter_kind, features, texture_kind};
 use core::f32::consts::{FRAC_1_PI, PI, TAU};
@@ -101,53 +101,87 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, u: Vec2) -> DirectSample {
         };
         return result;
     }
-    let (w, h) = (record.width, record.height);
-    let table = record.distribution;
-    let guides = table + h + w * h;
-    let (row, t_row, _) = sample_cdf_guided(tables.data, table, guides, u.y);
-    let (column, t_column, _) = sample_cdf_guided(
-        tables.data,
+    let (table, guide) = rows(record);
+    let (row, t_row, _) = sample_cdf_guided(tables.data, table, guide, u.y);
+    let (table, guide) = columns(record, row);
+    let (column, t_column, _) = sample_cdf_guided(tables.data, table, guide, u.x);
+    let (direction, uv) = in_cell(tables, record, [column, row], Vec2::new(t_column, t_row));
+    if direction == Vec3::ZERO {
+        return DirectSample::NONE;
+    }
+    result.direction = direction;
+    result.pdf = pdf_of_cell(tables, record, column, row);
+    result.radiance = radiance_at(tables, record, uv);
+    result
+}
+
+/// The table that chooses a row of cells, and its guide.
+#[inline]
+pub(crate) fn rows(emitter: &Emitter) -> (u32, u32) {
+    let (w, h) = (emitter.width, emitter.height);
+    (emitter.distribution, emitter.distribution + h + w * h)
+}
+
+/// The table that chooses a cell of a row, and its guide.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn columns(emitter: &Emitter, row: u32) -> (u32, u32) {
+    let (w, h) = (emitter.width, emitter.height);
+    let table = emitter.distribution;
+    (
         table + h + row * w,
-        guides + (1 + row) * GUIDE_WORDS,
-        u.x,
-    );
+        table + h + w * h + (1 + row) * GUIDE_WORDS,
+    )
+}
+
+/// The direction and the image coordinates at a position in a cell, of a column and a row; zero where the emitter's frame
+/// is none.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn in_cell(
+    tables: &Tables<'_>,
+    record: &Emitter,
+    [column, row]: [u32; 2],
+    t: Vec2,
+) -> (Vec3, Vec2) {
+    let (w, h) = (record.width, record.height);
     // Uniform in the cosine between the row's edges, as the complement 1 - cos from the nearer pole.
     let upper = row * 2 < h;
-    let (near, far) = if upper {
-        (row, row + 1)
+    let below = h.saturating_sub(row);
+    let near = if upper { row } else { below };
+    let far = if upper {
+        row + 1
     } else {
-        (h - row, h - row - 1)
+        below.saturating_sub(1)
     };
     let (k_near, k_far) = (
         one_minus_cos(tables, record, near),
         one_minus_cos(tables, record, far),
     );
-    let k = float::lerp(k_near, k_far, t_row);
+    let k = float::lerp(k_near, k_far, t.y);
     let sin_theta = float::safe_sqrt(k * (2.0 - k));
     let cos_theta = if upper { 1.0 - k } else { k - 1.0 };
     // Cells lie between column centres.
-    let across = (column as f32 + 0.5 + t_column) / w as f32;
+    let across = (column as f32 + 0.5 + t.x) / w as f32;
     let phi = TAU * across;
     let (sin_phi, cos_phi) = float::sin_cos(phi);
     let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
     let direction = transform_vector(&record.to_world, local);
     let length = direction.length();
-    if !(length > 0.0) {
-        return DirectSample::NONE;
-    }
-    result.direction = direction / length;
-    result.pdf = pdf_of_cell(tables, record, column, row);
     let uv = Vec2::new(
         if across >= 1.0 { across - 1.0 } else { across },
         float::atan2(sin_theta, cos_theta) * FRAC_1_PI,
     );
-    result.radiance = radiance_at(tables, record, uv);
-    result
+    if length > 0.0 {
+        (direction / length, uv)
+    } else {
+        (Vec3::ZERO, uv)
+    }
 }
 
 /// Whether there is something better than uniform directions.
 #[inline]
-fn has_table(emitter: &Emitter) -> bool {
+pub(crate) fn has_table(emitter: &Emitter) -> bool {
     emitter.kind == emitter_kind::ENVIRONMENT
         && emitter.distribution != NONE
         && emitter.width > 0
@@ -155,9 +189,10 @@ fn has_table(emitter: &Emitter) -> bool {
 }
 
 /// 1 - cos of the polar angle `pi row / h`, for `row` up to h / 2 (rounded up); read from the table.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn one_minus_cos(tables: &Tables<'_>, emitter: &Emitter, row: u32) -> f32 {
-    tables.data[(caps(emitter) + row) as usize]
+    element(tables.data, caps(emitter) + row)
 }
 
 /// Where the table holds 1 - cos of the edges of the rows, then the factors of the rows in [`pdf_of_cell`].
@@ -168,8 +203,9 @@ fn caps(emitter: &Emitter) -> u32 {
 }
 
 /// Image coordinates in [0, 1]^2 of a direction in the emitter's frame, of any length.
-#[inline]
-fn to_uv(local: Vec3) -> Vec2 {
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn to_uv(local: Vec3) -> Vec2 {
     let u = float::atan2(local.x, -local.z) * (0.5 * FRAC_1_PI);
     let across = float::sqrt(local.x * local.x + local.z * local.z);
     // As precise at the poles as elsewhere, which an arc cosine is not.
@@ -185,7 +221,14 @@ fn radiance_at(tables: &Tables<'_>, emitter: &Emitter, uv: Vec2) -> Rgb {
     if texture == NONE {
         return value;
     }
-    let record = &tables.textures[texture as usize];
+    value * eval_uv(tables, texture, to_texture(tables, emitter, uv))
+}
+
+/// Coordinates of the radiance's texture, which there is, at image coordinates.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn to_texture(tables: &Tables<'_>, emitter: &Emitter, uv: Vec2) -> Vec2 {
+    let record = &tables.textures[emitter.radiance.texture as usize];
     let v = if record.kind == texture_kind::BITMAP {
         // Rows on the poles, where a texture's rows are centred inside the square.
         let h = record.data[2] as f32;
@@ -193,26 +236,28 @@ fn radiance_at(tables: &Tables<'_>, emitter: &Emitter, uv: Vec2) -> Rgb {
     } else {
         uv.y
     };
-    value * eval_uv(tables, texture, Vec2::new(uv.x, v))
+    Vec2::new(uv.x, v)
 }
 
 /// Column and row of the table's cell at image coordinates.
-#[inline]
-fn cell(emitter: &Emitter, uv: Vec2) -> (u32, u32) {
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn cell(emitter: &Emitter, uv: Vec2) -> (u32, u32) {
     let (w, h) = (emitter.width as f32, emitter.height as f32);
     let x = uv.x * w - 0.5;
     let x = if x < 0.0 { x + w } else { x };
     (
-        float::floor(x.max(0.0).min(w - 1.0)) as u32,
-        float::floor((uv.y * h).max(0.0).min(h - 1.0)) as u32,
+        float::to_index(x.max(0.0).min(w - 1.0)),
+        float::to_index((uv.y * h).max(0.0).min(h - 1.0)),
     )
 }
 
 /// Density per solid angle inside a cell, the choice of the emitter not included.
-#[inline]
-fn pdf_of_cell(tables: &Tables<'_>, emitter: &Emitter, column: u32, row: u32) -> f32 {
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn pdf_of_cell(tables: &Tables<'_>, emitter: &Emitter, column: u32, row: u32) -> f32 {
     let (w, h) = (emitter.width, emitter.height);
-    let factor = tables.data[(caps(emitter) + h + 1 + row) as usize];
+    let factor = element(tables.data, caps(emitter) + h + 1 + row);
     factor * cdf_pmf(tables.data, emitter.distribution + h + row * w, column)
 }
 

@@ -18,6 +18,8 @@ pub mod delta;
 pub mod environment;
 
 pub use area::{area_radiance, pdf_direct};
+#[cfg(not(target_arch = "spirv"))]
+pub(crate) use area::{on_sphere, on_triangle};
 pub use environment::{
     environment_radiance, environment_radiance_and_pdf, environment_table_size,
     environment_table_words, pdf_environment,
@@ -67,6 +69,12 @@ impl DirectSample {
         is_delta: false,
         emitter: NONE,
     };
+
+    /// Whether it is a sample that brings light.
+    #[inline]
+    pub fn is_some(&self) -> bool {
+        !(self.pdf <= 0.0 || self.radiance.max_element() <= 0.0)
+    }
 }
 
 /// Chooses an emitter with `u` in [0, 1); [`NONE`] in a scene without light.

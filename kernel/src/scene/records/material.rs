@@ -19,6 +19,10 @@ pub struct Material {
 pub mod material_flag {
     /// Some lobe is [`super::lobe_kind::NULL`]: shadow rays may pass.
     pub const HAS_NULL: u32 = 1;
+    /// It is one lobe without coats, perturbed frame, mixing factors and absorption.
+    pub const PLAIN: u32 = 2;
+    /// Some parameter of some lobe has a texture.
+    pub const TEXTURED: u32 = 4;
 }
 
 /// Scattering models.
@@ -125,6 +129,51 @@ pub struct LobeRecord {
     pub coats: [CoatRecord; crate::bsdf::MAX_COATS],
     /// Exponent of the exponential power distribution.
     pub exponent: ScalarParameter,
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl LobeRecord {
+    /// Whether nothing lies between the surface and the model, which does not absorb and is not that of
+    /// [`lobe_kind::NULL`].
+    pub fn is_bare(&self) -> bool {
+        self.kind != lobe_kind::NULL
+            && self.factor_count == 0
+            && self.coat_count == 0
+            && self.frame == NONE
+            && self.optical_depth.value == [0.0; 3]
+    }
+
+    /// Whether one of the model's parameters has a texture.
+    pub fn is_textured(&self) -> bool {
+        let colours = [
+            &self.reflectance,
+            &self.specular_reflectance,
+            &self.specular_transmittance,
+            &self.eta,
+            &self.k,
+            &self.optical_depth,
+        ];
+        let scalars = [&self.alpha_u, &self.alpha_v, &self.exponent];
+        colours.iter().any(|p| p.texture != NONE) || scalars.iter().any(|p| p.texture != NONE)
+    }
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl Material {
+    /// The flags of a material of the given lobes.
+    pub fn flags_of(lobes: &[LobeRecord]) -> u32 {
+        let mut flags = 0;
+        if lobes.iter().any(|lobe| lobe.kind == lobe_kind::NULL) {
+            flags |= material_flag::HAS_NULL;
+        }
+        if lobes.len() == 1 && lobes[0].is_bare() {
+            flags |= material_flag::PLAIN;
+        }
+        if lobes.iter().any(LobeRecord::is_textured) {
+            flags |= material_flag::TEXTURED;
+        }
+        flags
+    }
 }
 
 /// A dielectric coat as what is below it sees it; its reflection is a lobe of its own.

@@ -16,7 +16,7 @@ use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::bsdf::MAX_LOBES;
 use halflight_kernel::scene::{
     FrameMap, LobeRecord, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
-    frame_map_kind, lobe_flag, lobe_kind, material_flag,
+    frame_map_kind, lobe_flag, lobe_kind,
 };
 use layered::Coats;
 pub(super) use layered::TransmittanceTable;
@@ -113,20 +113,17 @@ impl Builder {
     fn push_material(&mut self, lobes: Vec<PendingLobe>) -> u32 {
         let first_lobe = self.tables.lobes.len() as u32;
         let lobe_count = lobes.len() as u32;
-        let mut flags = 0;
         for PendingLobe {
             mut record,
             factors,
         } in lobes
         {
-            if record.kind == lobe_kind::NULL {
-                flags |= material_flag::HAS_NULL;
-            }
             record.first_factor = self.tables.factors.len() as u32;
             record.factor_count = factors.len() as u32;
             self.tables.factors.extend(factors);
             self.tables.lobes.push(record);
         }
+        let flags = Material::flags_of(&self.tables.lobes[first_lobe as usize..]);
         self.tables.materials.push(Material {
             first_lobe,
             lobe_count,

@@ -42,6 +42,7 @@ pub mod mesh;
 pub mod metrics;
 pub mod plot;
 pub mod png_output;
+pub mod processor;
 pub mod progress;
 pub mod render;
 pub mod scene;

@@ -9,13 +9,16 @@ use crate::accel::Accel;
 use crate::adaptive;
 use crate::aov::AovSet;
 use crate::film::{Film, FilmError};
+use crate::processor;
 use crate::scene::build::Scene;
-use crate::tile_job::TileJob;
+use crate::tile_job::{TileJob, Workspace};
+use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::IntegratorSettings;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Side of the square of pixels that a thread takes at a time.
@@ -280,25 +283,47 @@ fn adaptive_pass_size(samples: u32) -> u32 {
 fn render_pass<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
-    sampler_kind: u32,
+    kind: u32,
     options: &RenderOptions,
     film: &mut Film,
     per_pixel: u32,
     counts: Option<&[u32]>,
 ) {
-    let width = film.width();
-    let needs_surface = film.aovs().needs_surface();
     let job = TileJob {
         view,
         settings,
-        sampler_kind,
         options,
-        needs_surface,
+        needs_surface: film.aovs().needs_surface(),
+        vectors: processor::vectors(),
     };
+    // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
+    if kind == sampler_kind::SOBOL {
+        sample_tiles(&job, film, per_pixel, counts, SobolSampler::new);
+    } else {
+        sample_tiles(&job, film, per_pixel, counts, IndependentSampler::new);
+    }
+}
+
+/// [`render_pass`] with a sampler of (seed, pixel, sample).
+fn sample_tiles<T: Traverse + Sync, S: LaneSampler + Send>(
+    job: &TileJob<'_, T>,
+    film: &mut Film,
+    per_pixel: u32,
+    counts: Option<&[u32]>,
+    new: impl Fn(u32, u32, u32) -> S + Sync,
+) {
+    let width = film.width();
+    let count = |x: u32, y: u32| match counts {
+        Some(counts) => counts[y as usize * width as usize + x as usize],
+        None => per_pixel,
+    };
+    // As many as there are threads, however finely the work is divided.
+    let idle = Mutex::new(Vec::new());
     film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
-        job.sample_tile(&mut tile, |x, y| match counts {
-            Some(counts) => counts[y as usize * width as usize + x as usize],
-            None => per_pixel,
-        });
+        let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let workspace = lock().pop();
+        let mut workspace = workspace.unwrap_or_else(Workspace::new);
+        job.sample_tile(&mut workspace, &mut tile, count, &new);
+        lock().push(workspace);
     });
 }

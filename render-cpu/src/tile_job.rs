@@ -6,16 +6,18 @@
 use crate::aov::AovSample;
 use crate::film::FilmTile;
 use crate::render::RenderOptions;
-use arrayvec::ArrayVec;
 use halflight_kernel::math::Rgb;
-use halflight_kernel::sampler::{IndependentSampler, Sampler, SobolSampler, sampler_kind};
+use halflight_kernel::math::vectors::Vectors;
+use halflight_kernel::sampler::{LaneSampler, Sampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::wave::Wave;
 use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
 
-/// Paths side by side: enough to be worth it, few enough that their state stays in the first cache.
-const WAVE: usize = 32;
+/// Slots for paths side by side: enough for whole vectors of every class, few enough that their state stays in the second
+/// cache. A row of them takes an odd number of cache lines, so that the same slot of many rows does not compete for the same
+/// places of the first cache (a tenth of the time of cornell-box at 1024).
+const SLOTS: usize = 97 * 16;
 
 /// What all tiles of a pass have in common.
 pub struct TileJob<'a, T: Traverse> {
@@ -23,45 +25,50 @@ pub struct TileJob<'a, T: Traverse> {
     pub view: &'a SceneView<'a, T>,
     /// The algorithm.
     pub settings: &'a IntegratorSettings,
-    /// One of [`sampler_kind`].
-    pub sampler_kind: u32,
     /// Seed and first sample.
     pub options: &'a RenderOptions,
     /// Whether layers of surface features are wanted.
     pub needs_surface: bool,
+    /// Those of the processor.
+    pub vectors: Vectors,
 }
 
 /// A sample that is under way.
+#[derive(Clone, Copy)]
 struct Pending<S> {
     x: u32,
     y: u32,
-    /// Its reconstruction weight.
-    weight: f32,
     /// Its numbers from the first on.
     sampler: S,
 }
 
-impl<T: Traverse> TileJob<'_, T> {
-    /// Adds the next samples of every pixel of the tile, as many as `count` says of its coordinates.
-    pub fn sample_tile(&self, tile: &mut FilmTile<'_>, count: impl Fn(u32, u32) -> u32) {
-        // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
-        if self.sampler_kind == sampler_kind::SOBOL {
-            self.sample_tile_with(tile, count, SobolSampler::new);
-        } else {
-            self.sample_tile_with(tile, count, IndependentSampler::new);
+/// What a thread needs for its tiles.
+pub struct Workspace<S> {
+    wave: Box<Wave<S, SLOTS>>,
+    pending: Vec<Pending<S>>,
+}
+
+impl<S: LaneSampler> Workspace<S> {
+    /// Room for a wave.
+    pub fn new() -> Workspace<S> {
+        Workspace {
+            wave: bytemuck::zeroed_box(),
+            pending: Vec::with_capacity(SLOTS),
         }
     }
+}
 
-    /// [`Self::sample_tile`] with a sampler of (seed, pixel, sample).
-    fn sample_tile_with<S: Sampler + Copy>(
+impl<T: Traverse> TileJob<'_, T> {
+    /// Adds the next samples of every pixel of the tile, as many as `count` says of its coordinates; `new` makes a sampler
+    /// of (seed, pixel, sample).
+    pub fn sample_tile<S: LaneSampler>(
         &self,
+        workspace: &mut Workspace<S>,
         tile: &mut FilmTile<'_>,
         count: impl Fn(u32, u32) -> u32,
         new: impl Fn(u32, u32, u32) -> S,
     ) {
         let film_width = self.view.tables.camera.film_size[0];
-        let mut wave = Wave::new();
-        let mut pending = ArrayVec::<Pending<S>, WAVE>::new();
         for y in tile.y()..tile.y() + tile.height() {
             for x in tile.x()..tile.x() + tile.width() {
                 let pixel = self.pixel(x, y);
@@ -72,28 +79,22 @@ impl<T: Traverse> TileJob<'_, T> {
                     .wrapping_add(tile.pixel_mut(x, y).statistics.count);
                 for i in 0..count(x, y) {
                     let sampler = new(self.options.seed, index, first.wrapping_add(i));
-                    let mut numbers = sampler;
                     if self.settings.kind != integrator_kind::PATH {
+                        let mut numbers = sampler;
                         let radiance =
                             transport::sample_pixel(self.view, self.settings, &mut numbers, pixel);
                         self.add(tile, [x, y], radiance, sampler);
                         continue;
                     }
-                    let sensor = transport::sensor_ray(&self.view.tables, &mut numbers, pixel);
-                    wave.push(&sensor.ray, numbers);
-                    pending.push(Pending {
-                        x,
-                        y,
-                        weight: sensor.weight,
-                        sampler,
-                    });
-                    if wave.is_full() {
-                        self.finish(tile, &mut wave, &mut pending);
+                    workspace.wave.push(pixel, sampler);
+                    workspace.pending.push(Pending { x, y, sampler });
+                    if workspace.wave.is_full() {
+                        self.finish(tile, workspace);
                     }
                 }
             }
         }
-        self.finish(tile, &mut wave, &mut pending);
+        self.finish(tile, workspace);
     }
 
     /// Coordinates in the whole film of a pixel of the window.
@@ -103,15 +104,9 @@ impl<T: Traverse> TileJob<'_, T> {
     }
 
     /// Traces the wave and adds its samples.
-    fn finish<S: Sampler + Copy>(
-        &self,
-        tile: &mut FilmTile<'_>,
-        wave: &mut Wave<S, WAVE>,
-        pending: &mut ArrayVec<Pending<S>, WAVE>,
-    ) {
-        let radiance = wave.run(self.view, self.settings);
-        for (sample, radiance) in pending.drain(..).zip(radiance) {
-            let radiance = radiance * sample.weight;
+    fn finish<S: LaneSampler>(&self, tile: &mut FilmTile<'_>, workspace: &mut Workspace<S>) {
+        let radiance = workspace.wave.run(self.vectors, self.view, self.settings);
+        for (sample, &radiance) in workspace.pending.drain(..).zip(radiance) {
             self.add(tile, [sample.x, sample.y], radiance, sample.sampler);
         }
     }

@@ -1,12 +1,14 @@
 //! Nothing inside a pixel's work allocates.
 
-use halflight::accel::Accel;
+use halflight::accel::{Accel, CpuTraverse};
+use halflight::processor;
 use halflight::scene::build::{BuildOptions, build_scene};
 use halflight::scene::xml::parse_scene;
-use halflight_kernel::sampler::AnySampler;
+use halflight_kernel::math::vectors::Vectors;
+use halflight_kernel::sampler::{AnySampler, IndependentSampler, LaneSampler, SobolSampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::transport::wave::Wave;
-use halflight_kernel::transport::{self, aov, integrator_kind};
+use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
@@ -38,6 +40,30 @@ unsafe impl GlobalAlloc for Counting {
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
+
+/// Allocations of paths in waves, that of the wave itself apart.
+fn made_by_waves<S: LaneSampler>(
+    vectors: Vectors,
+    view: &SceneView<'_, CpuTraverse<'_>>,
+    settings: &IntegratorSettings,
+    new: fn(u32, u32, u32) -> S,
+) -> usize {
+    let [width, height] = view.tables.camera.crop_size;
+    let mut wave: Box<Wave<S, 1024>> = bytemuck::zeroed_box();
+    let start = allocations();
+    let mut count = 0;
+    for i in 0..2000 {
+        wave.push([i * 7919 % width, i * 104_729 % height], new(1, i, 0));
+        if wave.is_full() || i == 1999 {
+            let radiance = wave.run(vectors, view, settings);
+            count += radiance.len();
+            assert!(radiance.iter().all(|radiance| radiance.is_finite()));
+        }
+    }
+    let made = allocations() - start;
+    assert_eq!(count, 2000);
+    made
+}
 
 #[test]
 fn no_sample_of_any_integrator_allocates() {
@@ -83,18 +109,13 @@ fn no_sample_of_any_integrator_allocates() {
             let made = allocations() - start;
             assert_eq!(made, 0, "{name}, integrator {kind}");
         }
-        let start = allocations();
-        let mut wave = Wave::<AnySampler, 32>::new();
-        for i in 0..2000 {
-            let mut sampler = AnySampler::new(0, 1, i, 0);
-            let pixel = [i * 7919 % width, i * 104_729 % height];
-            let sensor = transport::sensor_ray(&tables, &mut sampler, pixel);
-            wave.push(&sensor.ray, sampler);
-            if wave.is_full() {
-                wave.run(&view, &scene.settings);
-            }
+        for vectors in [Vectors::BASE, processor::vectors()] {
+            let made = [
+                made_by_waves(vectors, &view, &scene.settings, IndependentSampler::new),
+                made_by_waves(vectors, &view, &scene.settings, SobolSampler::new),
+            ];
+            assert_eq!(made, [0, 0], "{name}, waves of {vectors:?}");
         }
-        assert_eq!(allocations() - start, 0, "{name}, waves");
     }
     assert!(allocations() > before, "the counter counts nothing");
 }

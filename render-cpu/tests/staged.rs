@@ -1,15 +1,12 @@
-//! Paths in stages, with their state in records, and paths side by side are the paths of the loops: the same numbers to
-//! the bit.
+//! Paths in stages, with their state in records, are the paths of the loops: the same numbers to the bit.
 
-use halflight::accel::CpuTraverse;
 use halflight::commands::scene_args::build_accel;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
 use halflight_kernel::sampler::{AnySampler, sampler_kind};
 use halflight_kernel::scene::{SceneView, Traverse};
 use halflight_kernel::transport::integrator_kind::DIRECT;
-use halflight_kernel::transport::wave::Wave;
-use halflight_kernel::transport::{IntegratorSettings, path, sample_pixel, sensor_ray, staged};
+use halflight_kernel::transport::{IntegratorSettings, sample_pixel, staged};
 use std::path::Path;
 
 /// Glass, a mask, plastic over rough metal, an area light behind a mask, a point light and the sky.
@@ -75,11 +72,7 @@ fn in_stages<T: Traverse>(
     path.estimate().to_array()
 }
 
-/// Calls `test` with the scene.
-fn with_scene(
-    integrator: &str,
-    test: impl FnOnce(&SceneView<'_, CpuTraverse<'_>>, &IntegratorSettings),
-) {
+fn agrees(integrator: &str) {
     let scene = scene(integrator);
     let accel = build_accel(&scene);
     let tables = scene.tables.view();
@@ -88,66 +81,18 @@ fn with_scene(
         tables,
         traverse: &traverse,
     };
-    test(&view, &scene.settings);
-}
-
-fn agrees(integrator: &str) {
-    with_scene(integrator, |view, settings| {
-        let mut lit = 0;
-        for pixel in 0..24 * 24 {
-            let at = [pixel % 24, pixel / 24];
-            for kind in [sampler_kind::INDEPENDENT, sampler_kind::SOBOL] {
-                let sampler = AnySampler::new(kind, 3, pixel, 1);
-                let expected = sample_pixel(view, settings, &mut sampler.clone(), at);
-                let found = in_stages(view, settings, sampler, at);
-                assert_eq!(found, expected.to_array(), "pixel {at:?} of {integrator}");
-                lit += u32::from(found[0] > 0.0);
-            }
+    let mut lit = 0;
+    for pixel in 0..24 * 24 {
+        let at = [pixel % 24, pixel / 24];
+        for kind in [sampler_kind::INDEPENDENT, sampler_kind::SOBOL] {
+            let sampler = AnySampler::new(kind, 3, pixel, 1);
+            let expected = sample_pixel(&view, &scene.settings, &mut sampler.clone(), at);
+            let found = in_stages(&view, &scene.settings, sampler, at);
+            assert_eq!(found, expected.to_array(), "pixel {at:?} of {integrator}");
+            lit += u32::from(found[0] > 0.0);
         }
-        assert!(lit > 500, "{lit}");
-    });
-}
-
-/// Waves of any size, full or not, with paths of any length side by side.
-fn agrees_in_waves<const N: usize>(integrator: &str) {
-    with_scene(integrator, |view, settings| {
-        let begin = |pixel| {
-            let mut numbers = AnySampler::new(sampler_kind::INDEPENDENT, 3, pixel, 2);
-            let sensor = sensor_ray(&view.tables, &mut numbers, [pixel % 24, pixel / 24]);
-            (sensor.ray, numbers)
-        };
-        let mut wave = Wave::<AnySampler, N>::new();
-        let mut first = 0;
-        for pixel in 0..24 * 24 {
-            let (ray, numbers) = begin(pixel);
-            wave.push(&ray, numbers);
-            if !wave.is_full() && pixel != 24 * 24 - 1 {
-                continue;
-            }
-            let found = wave.run(view, settings);
-            assert_eq!(found.len() as u32, pixel + 1 - first);
-            for (pixel, found) in (first..).zip(found) {
-                let (ray, mut numbers) = begin(pixel);
-                let expected = path::radiance(view, settings, &mut numbers, &ray);
-                assert_eq!(found, expected, "pixel {pixel} of {integrator}");
-            }
-            first = pixel + 1;
-        }
-        assert_eq!(first, 24 * 24);
-    });
-}
-
-#[test]
-fn waves() {
-    for depth in [-1, 0, 1, 12] {
-        let integrator = format!(
-            r#"<integrator type="path"><integer name="max_depth" value="{depth}"/>
-            <integer name="rr_depth" value="2"/></integrator>"#
-        );
-        agrees_in_waves::<1>(&integrator);
-        agrees_in_waves::<7>(&integrator);
-        agrees_in_waves::<32>(&integrator);
     }
+    assert!(lit > 500, "{lit}");
 }
 
 #[test]

@@ -114,7 +114,7 @@ pub fn weigh(
     strict_normals: bool,
     counts: SampleCounts,
 ) -> Connection {
-    if light.pdf <= 0.0 || light.radiance.max_element() <= 0.0 {
+    if !light.is_some() {
         return Connection::NONE;
     }
     let wo = point.frame.to_local(light.direction);
@@ -125,6 +125,19 @@ pub fn weigh(
     if value.max_element() <= 0.0 {
         return Connection::NONE;
     }
+    reflected(light, point, counts, value, pdf)
+}
+
+/// What the chosen light adds where the BSDF times the cosine is `value` towards it, with the density `pdf`.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn reflected(
+    light: &DirectSample,
+    point: &SurfacePoint,
+    counts: SampleCounts,
+    value: Rgb,
+    pdf: f32,
+) -> Connection {
     let weight = if light.is_delta {
         1.0
     } else {

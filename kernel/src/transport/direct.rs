@@ -68,7 +68,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
                 );
                 if light.is_some() {
                     path.radiance +=
-                        path.throughput * (light.radiance * transmittance(view, light.ray));
+                        path.throughput * light.radiance * transmittance(view, light.ray);
                 }
             }
         }

@@ -103,7 +103,7 @@ impl Path {
     }
 
     #[inline]
-    fn sees_emitters(&self, settings: &IntegratorSettings) -> bool {
+    pub(super) fn sees_emitters(&self, settings: &IntegratorSettings) -> bool {
         self.depth > 0 || settings.hide_emitters == 0
     }
 
@@ -112,13 +112,20 @@ impl Path {
     pub fn escape(&mut self, tables: &Tables<'_>, settings: &IntegratorSettings) {
         if self.sees_emitters(settings) && tables.info.environment != NONE {
             let (emitted, pdf) = emitter::environment_radiance_and_pdf(tables, self.ray.direction);
-            let weight = if self.last.competing > 0.0 {
-                self.last.weight(pdf)
-            } else {
-                1.0
-            };
-            self.radiance += self.throughput * emitted * weight;
+            self.add(emitted, pdf);
         }
+    }
+
+    /// Gathers light that the walk found and that an emitter sample finds with density `other`.
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    pub fn add(&mut self, emitted: Rgb, other: f32) {
+        let weight = if self.last.competing > 0.0 {
+            self.last.weight(other)
+        } else {
+            1.0
+        };
+        self.radiance += self.throughput * emitted * weight;
     }
 
     /// Gathers what the surface at the ray's end emits; says what is next, one of [`step`].
@@ -150,13 +157,12 @@ impl Path {
     pub fn gather(&mut self, tables: &Tables<'_>, point: &SurfacePoint) {
         let emitted = emitter::area_radiance(tables, point, -self.ray.direction);
         if emitted.max_element() > 0.0 {
-            let weight = if self.last.competing > 0.0 {
-                let other = emitter::pdf_direct(tables, self.last.position, point);
-                self.last.weight(other)
+            let other = if self.last.competing > 0.0 {
+                emitter::pdf_direct(tables, self.last.position, point)
             } else {
-                1.0
+                0.0
             };
-            self.radiance += self.throughput * emitted * weight;
+            self.add(emitted, other);
         }
     }
 
@@ -205,7 +211,8 @@ impl Path {
     }
 
     /// Leaves the surface along a sampled direction; says whether the path goes on, one of [`step`].
-    #[inline]
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn leave<S: Sampler>(
         &mut self,
         settings: &IntegratorSettings,
@@ -271,7 +278,8 @@ impl Arrival {
     #[inline]
     pub fn unshadowed<T: Traverse>(&self, view: &SceneView<'_, T>) -> Rgb {
         let Connection { radiance, ray } = self.connection;
-        self.throughput * (radiance * transmittance(view, ray))
+        // In this order: waves keep the first product only.
+        self.throughput * radiance * transmittance(view, ray)
     }
 }
 

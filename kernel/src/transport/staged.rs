@@ -334,8 +334,8 @@ pub fn shadow<T: Traverse>(view: &SceneView<'_, T>, record: &mut PathRecord) {
     if record.step != step::SCATTER || !connection.is_some() {
         return;
     }
-    let light = connection.radiance * transmittance(view, connection.ray);
-    let radiance = vec3(record.radiance) + vec3(record.throughput) * light;
+    let light = vec3(record.throughput) * connection.radiance;
+    let radiance = vec3(record.radiance) + light * transmittance(view, connection.ray);
     record.radiance = numbers(radiance);
 }
 

@@ -1,0 +1,25 @@
+//! What the processor has beyond what the program is compiled for.
+
+use halflight_kernel::math::vectors::Vectors;
+
+/// The vectors that the processor has. Sixteen lanes are used only along with the features for single words that all
+/// processors with such lanes have: `avx2`, `fma`, `popcnt`, `bmi1`, `bmi2` and `lzcnt`.
+pub fn vectors() -> Vectors {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512vl")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512cd")
+        && is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("fma")
+        && is_x86_feature_detected!("popcnt")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+    {
+        // SAFETY: the features are there.
+        return unsafe { Vectors::avx512() };
+    }
+    Vectors::BASE
+}

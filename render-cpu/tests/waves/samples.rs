@@ -1,0 +1,151 @@
+//! The samples of a scene's film, from single paths and from waves of any size.
+
+use halflight::accel::CpuTraverse;
+use halflight::commands::scene_args::build_accel;
+use halflight::processor;
+use halflight::scene::build::{BuildOptions, Scene, build_scene};
+use halflight::scene::xml::parse_scene_from_str;
+use halflight_kernel::math::Rgb;
+use halflight_kernel::math::vectors::Vectors;
+use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler};
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::transport::wave::Wave;
+use halflight_kernel::transport::{IntegratorSettings, sample_pixel};
+use std::path::Path;
+
+/// Samples per pixel.
+const SAMPLES: u32 = 2;
+const SEED: u32 = 3;
+
+/// A scene as the transport sees it.
+pub type View<'a> = SceneView<'a, CpuTraverse<'a>>;
+/// Makes a sampler of seed, pixel and sample.
+pub type NewSampler<S> = fn(u32, u32, u32) -> S;
+/// A pixel in absolute film coordinates, and the numbers of its sample.
+pub type Start<S> = ([u32; 2], S);
+
+/// The tables of a scene file whose other files are in `folder`; `strict` refuses what it would warn of.
+pub fn scene(text: &str, folder: &Path, strict: bool) -> Scene {
+    let parsed = parse_scene_from_str(text, &folder.join("test.xml"), &[], strict)
+        .unwrap_or_else(|error| panic!("{error}\n{text}"));
+    build_scene(&parsed, &BuildOptions::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Calls `test` with the scene.
+pub fn with_view(scene: &Scene, test: impl FnOnce(&View<'_>, &IntegratorSettings)) {
+    let accel = build_accel(scene);
+    let tables = scene.tables.view();
+    let traverse = accel.traverse(tables);
+    let view = SceneView {
+        tables,
+        traverse: &traverse,
+    };
+    test(&view, &scene.settings);
+}
+
+/// Starts of all samples of the window.
+pub fn starts<S>(view: &View<'_>, new: NewSampler<S>) -> Vec<Start<S>> {
+    let camera = &view.tables.camera;
+    let ([left, top], [width, height]) = (camera.crop_offset, camera.crop_size);
+    let mut starts = Vec::new();
+    for y in top..top + height {
+        for x in left..left + width {
+            let pixel = y * camera.film_size[0] + x;
+            starts.extend((0..SAMPLES).map(|sample| ([x, y], new(SEED, pixel, sample))));
+        }
+    }
+    starts
+}
+
+/// What single paths give.
+pub fn one_by_one<S: LaneSampler>(
+    view: &View<'_>,
+    settings: &IntegratorSettings,
+    starts: &[Start<S>],
+) -> Vec<Rgb> {
+    let sample = |&(pixel, sampler): &Start<S>| {
+        let mut numbers = sampler;
+        sample_pixel(view, settings, &mut numbers, pixel)
+    };
+    starts.iter().map(sample).collect()
+}
+
+/// What waves of at most `size` paths give.
+pub fn in_waves<S: LaneSampler, const N: usize>(
+    wave: &mut Wave<S, N>,
+    size: usize,
+    vectors: Vectors,
+    view: &View<'_>,
+    settings: &IntegratorSettings,
+    starts: &[Start<S>],
+) -> Vec<Rgb> {
+    let mut found = Vec::new();
+    for paths in starts.chunks(size.min(Wave::<S, N>::CAPACITY)) {
+        for &(pixel, sampler) in paths {
+            assert!(!wave.is_full());
+            wave.push(pixel, sampler);
+        }
+        found.extend_from_slice(wave.run(vectors, view, settings));
+    }
+    found
+}
+
+/// Both kinds of loops over lanes; the same one twice where the processor has no other.
+pub fn all_vectors() -> [Vectors; 2] {
+    [Vectors::BASE, processor::vectors()]
+}
+
+/// Fails where a bit differs.
+pub fn assert_same<S>(what: &str, starts: &[Start<S>], found: &[Rgb], expected: &[Rgb]) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    let bits = |color: &Rgb| color.to_array().map(f32::to_bits);
+    let mut unequal = (0..found.len()).filter(|&i| bits(&found[i]) != bits(&expected[i]));
+    if let Some(i) = unequal.next() {
+        panic!(
+            "{} of {} samples differ; the first, number {i} at {:?}, is {:?} instead of {:?}: {what}",
+            unequal.count() + 1,
+            found.len(),
+            starts[i].0,
+            found[i],
+            expected[i],
+        );
+    }
+}
+
+/// The share of samples with light.
+pub fn lit_share(samples: &[Rgb]) -> f32 {
+    let lit = samples.iter().filter(|color| color.max_element() > 0.0);
+    lit.count() as f32 / samples.len() as f32
+}
+
+/// Compares all samples of a scene; returns the share that is lit.
+fn compare<S: LaneSampler>(
+    view: &View<'_>,
+    settings: &IntegratorSettings,
+    new: NewSampler<S>,
+    text: &str,
+) -> f32 {
+    let starts = starts(view, new);
+    let expected = one_by_one(view, settings, &starts);
+    let mut small: Box<Wave<S, 512>> = bytemuck::zeroed_box();
+    let mut large: Box<Wave<S, 1024>> = bytemuck::zeroed_box();
+    for vectors in all_vectors() {
+        let found = in_waves(&mut small, usize::MAX, vectors, view, settings, &starts);
+        let what = format!("{vectors:?}, 512 slots, {text}");
+        assert_same(&what, &starts, &found, &expected);
+        let found = in_waves(&mut large, usize::MAX, vectors, view, settings, &starts);
+        let what = format!("{vectors:?}, 1024 slots, {text}");
+        assert_same(&what, &starts, &found, &expected);
+    }
+    lit_share(&expected)
+}
+
+/// Compares all samples of a scene, with both samplers; returns the smaller share that is lit.
+pub fn agrees(scene: &Scene, text: &str) -> f32 {
+    let mut share = 0.0;
+    with_view(scene, |view, settings| {
+        let independent = compare(view, settings, IndependentSampler::new, text);
+        share = independent.min(compare(view, settings, SobolSampler::new, text));
+    });
+    share
+}

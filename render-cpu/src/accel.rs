@@ -1,8 +1,8 @@
 //! The ray tracer of the CPU front end: obvhs's compressed eight-wide trees, one per group of primitives.
 //!
 //! Group 0 is the world; its tree holds its own triangles and quadrics and, as further primitives, the instances, each of
-//! which leads into the tree of the group that it places. Triangles lie in the order of the tree's leaves, eight side
-//! by side, and are tested together ([`block`]). Intersections are those of
+//! which leads into the tree of the group that it places. Triangles lie in the order of the tree's leaves
+//! ([`packed`]), and those that a node has for a ray are tested together ([`block`]). Intersections are those of
 //! [`halflight_kernel::scene::intersect`], with the same rounding: the CPU and a shader find the same hit, also
 //! where surfaces coincide (see [`halflight_kernel::scene::Traverse::closest_hit`]).
 //!
@@ -15,14 +15,27 @@ pub mod block;
 pub mod build;
 pub mod collapse;
 pub mod lanes;
+#[cfg(target_arch = "x86_64")]
+mod lanes16;
+#[cfg(target_arch = "x86_64")]
+mod lockstep;
 pub mod node;
 pub mod packed;
+#[cfg(target_arch = "x86_64")]
+mod root16;
 pub mod shader_nodes;
+#[cfg(target_arch = "x86_64")]
+mod sixteen;
+mod slots;
+#[cfg(target_arch = "x86_64")]
+mod spheres16;
 pub mod traverse;
+#[cfg(target_arch = "x86_64")]
+mod triangles16;
 
 use build::{GroupTree, primitive_bounds};
 use halflight_kernel::scene::Tables;
-use packed::{PackedLeaves, TriangleBlock};
+use packed::Place;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -51,20 +64,10 @@ pub struct Accel {
 pub(crate) struct Group {
     /// Nodes; empty for an empty group.
     pub nodes: Vec<obvhs::cwbvh::node::CwBvhNode>,
-    /// What lies in the leaves: as [`halflight_kernel::scene::Hit::primitive`], then instances.
-    pub primitives: Vec<u32>,
-    /// The triangles among `primitives`, eight places each.
-    pub blocks: Vec<TriangleBlock>,
-    /// Which of the eight places hold other primitives, a bit each; empty where there are only triangles.
-    pub others: Vec<u8>,
-}
-
-impl Group {
+    /// What lies in the leaves.
+    pub places: Vec<Place>,
     /// Whether it holds anything but triangles.
-    #[inline(always)]
-    fn is_mixed(&self) -> bool {
-        !self.others.is_empty()
-    }
+    pub is_mixed: bool,
 }
 
 /// What was built.
@@ -98,24 +101,21 @@ impl Accel {
         for (index, range) in groups.iter().enumerate().rev() {
             let found = primitive_bounds(&tables, range, (index == 0).then_some(&bounds[..]));
             accel.statistics.skipped += found.skipped;
-            let mut tree = GroupTree::build(found);
+            let tree = GroupTree::build(found);
             bounds[index] = tree.bounds;
             accel.statistics.depth = accel.statistics.depth.max(tree.depth);
             accel.statistics.primitives += tree.primitives.len();
-            let packed = PackedLeaves::new(&tables, &mut tree);
+            let triangles = tables.triangles.len() as u32;
             accel.groups[index] = Group {
+                places: packed::places(&tables, &tree),
+                is_mixed: tree.primitives.iter().any(|&p| p >= triangles),
                 nodes: tree.nodes,
-                primitives: packed.primitives,
-                blocks: packed.blocks,
-                others: packed.others,
             };
         }
         for group in &accel.groups {
             accel.statistics.nodes += group.nodes.len();
-            accel.statistics.bytes += size_of_val(&group.nodes[..])
-                + size_of_val(&group.primitives[..])
-                + size_of_val(&group.blocks[..])
-                + size_of_val(&group.others[..]);
+            accel.statistics.bytes +=
+                size_of_val(&group.nodes[..]) + size_of_val(&group.places[..]);
         }
         accel.statistics.build_time = start.elapsed();
         accel

@@ -1,4 +1,4 @@
-//! Nodes and blocks of triangles with eight lanes.
+//! Nodes and triangles with eight lanes.
 //!
 //! The arithmetic is that of [`super::node`] and of [`super::block`], hits included to the bit. What a ray brings to every
 //! test (its origin and shear in all lanes, which bytes of a node are near planes) is prepared once.
@@ -6,7 +6,7 @@
 use super::block::{BlockHit, BlockRay};
 use super::lanes::Lanes;
 use super::node::{Children, Grid, NodeRay};
-use super::packed::{BLOCK, TriangleBlock};
+use super::packed::Place;
 use glam::Vec3;
 use obvhs::cwbvh::node::CwBvhNode;
 use std::arch::x86_64::*;
@@ -47,12 +47,6 @@ impl F8 {
     fn splat(x: f32) -> F8 {
         // SAFETY: the processor has AVX2.
         F8(unsafe { _mm256_set1_ps(x) })
-    }
-
-    #[inline(always)]
-    fn load(row: &[f32; 8]) -> F8 {
-        // SAFETY: the processor has AVX2, and there are eight floats.
-        F8(unsafe { _mm256_loadu_ps(row.as_ptr()) })
     }
 
     #[inline(always)]
@@ -214,89 +208,116 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn nearest(
-        block: &TriangleBlock,
-        name: impl Fn(usize) -> u32,
-        ray: &WideRay,
-        places: u32,
-        t_max: f32,
-    ) -> BlockHit {
-        let (ax, ay, az) = vertex(block, ray, 0);
-        let (bx, by, bz) = vertex(block, ray, 1);
-        let (cx, cy, cz) = vertex(block, ray, 2);
-        let (mut u, mut v, mut w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
-        let mut hits = places & one_sided(u, v, w);
-        if hits == 0 {
-            return BlockHit::MISS;
-        }
-        let zero = F8::splat(0.0);
-        let zeros = u.compare::<_CMP_EQ_OQ>(zero)
-            | v.compare::<_CMP_EQ_OQ>(zero)
-            | w.compare::<_CMP_EQ_OQ>(zero);
-        if hits & zeros.signs() != 0 {
-            u = nonzero_edge(u, cx, cy, bx, by);
-            v = nonzero_edge(v, ax, ay, cx, cy);
-            w = nonzero_edge(w, bx, by, ax, ay);
-            hits &= one_sided(u, v, w);
-        }
-        let determinant = u + v + w;
-        let size = determinant & F8::splat(f32::from_bits(0x7fff_ffff));
-        let is_solid =
-            size.compare::<_CMP_GT_OQ>(zero) & size.compare::<_CMP_LT_OQ>(F8::splat(f32::MAX));
-
-        // Where the plane is met, clamped to the range of the vertices along the ray.
-        let [x, y, z] = &block.axes;
-        let p0 = [F8::load(&x[0]), F8::load(&y[0]), F8::load(&z[0])];
-        let e1 = [
-            F8::load(&x[1]) - p0[0],
-            F8::load(&y[1]) - p0[1],
-            F8::load(&z[1]) - p0[2],
-        ];
-        let e2 = [
-            F8::load(&x[2]) - p0[0],
-            F8::load(&y[2]) - p0[1],
-            F8::load(&z[2]) - p0[2],
-        ];
-        let n = [
-            e1[1] * e2[2] - e2[1] * e1[2],
-            e1[2] * e2[0] - e2[2] * e1[0],
-            e1[0] * e2[1] - e2[0] * e1[1],
-        ];
-        let sheared = &ray.block.sheared;
-        let (o, d) = (sheared.origin, sheared.direction);
-        let offset = [
-            p0[0] - F8::splat(o.x),
-            p0[1] - F8::splat(o.y),
-            p0[2] - F8::splat(o.z),
-        ];
-        let direction = [F8::splat(d.x), F8::splat(d.y), F8::splat(d.z)];
-        let plane = dot(n, offset) / dot(n, direction);
-        let scale = F8::splat(-sheared.shear.z);
-        let (za, zb, zc) = (az * scale, bz * scale, cz * scale);
-        // A NaN from 0/0 is replaced by the bounds as well.
-        let t = plane.max(za.min(zb).min(zc)).min(za.max(zb).max(zc));
-        let in_range = t.compare::<_CMP_GT_OQ>(F8::splat(ray.block.t_min))
-            & t.compare::<_CMP_LT_OQ>(F8::splat(t_max));
-        hits &= (is_solid & in_range).signs();
-        if hits == 0 {
-            return BlockHit::MISS;
-        }
-        let t = t.to_array();
-        let mut place = hits.trailing_zeros() as usize & (BLOCK - 1);
-        hits &= hits - 1;
-        while hits != 0 {
-            let other = hits.trailing_zeros() as usize & (BLOCK - 1);
-            hits &= hits - 1;
-            if t[other] < t[place] || (t[other] == t[place] && name(other) < name(place)) {
-                place = other;
+    fn nearest(places: &[Place], mask: u32, ray: &WideRay, t_max: f32) -> BlockHit {
+        let mut hit = BlockHit::MISS;
+        let mut left = mask;
+        while left != 0 {
+            // Eight of them, the first again where there are fewer.
+            let first = &places[left.trailing_zeros() as usize];
+            let mut eight = [first; 8];
+            let mut count = 0;
+            while left != 0 && count < 8 {
+                eight[count] = &places[left.trailing_zeros() as usize];
+                left &= left - 1;
+                count += 1;
             }
+            nearest_of(&eight, (1 << count) - 1, ray, t_max, &mut hit);
         }
-        let scale = 1.0 / determinant.to_array()[place];
-        BlockHit {
-            t: t[place],
-            b1: v.to_array()[place] * scale,
-            b2: w.to_array()[place] * scale,
-            place,
+        hit
+    }
+}
+
+/// Columns of the rows of a vertex.
+#[inline(always)]
+fn columns(places: &[&Place; 8], vertex: usize) -> [F8; 4] {
+    // SAFETY: the processor has AVX2, and rows are four floats.
+    unsafe {
+        let two = |k: usize| {
+            let low = _mm_loadu_ps(places[k].row(vertex).as_ptr());
+            let high = _mm_loadu_ps(places[k + 4].row(vertex).as_ptr());
+            _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high)
+        };
+        let (a, b, c, d) = (two(0), two(1), two(2), two(3));
+        let t0 = _mm256_castps_pd(_mm256_unpacklo_ps(a, b));
+        let t1 = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
+        let t2 = _mm256_castps_pd(_mm256_unpacklo_ps(c, d));
+        let t3 = _mm256_castps_pd(_mm256_unpackhi_ps(c, d));
+        [
+            F8(_mm256_castpd_ps(_mm256_unpacklo_pd(t0, t2))),
+            F8(_mm256_castpd_ps(_mm256_unpackhi_pd(t0, t2))),
+            F8(_mm256_castpd_ps(_mm256_unpacklo_pd(t1, t3))),
+            F8(_mm256_castpd_ps(_mm256_unpackhi_pd(t1, t3))),
+        ]
+    }
+}
+
+/// Keeps the first hit of those of the triangles whose bits are set in `mask`, if it comes before `hit`.
+#[inline(always)]
+fn nearest_of(places: &[&Place; 8], mask: u32, ray: &WideRay, t_max: f32, hit: &mut BlockHit) {
+    let [x0, y0, z0, names] = columns(places, 0);
+    let [x1, y1, z1, _] = columns(places, 1);
+    let [x2, y2, z2, _] = columns(places, 2);
+    let (ax, ay, az) = vertex([x0, y0, z0], ray);
+    let (bx, by, bz) = vertex([x1, y1, z1], ray);
+    let (cx, cy, cz) = vertex([x2, y2, z2], ray);
+    let (mut u, mut v, mut w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
+    let mut hits = mask & one_sided(u, v, w);
+    if hits == 0 {
+        return;
+    }
+    let zero = F8::splat(0.0);
+    let zeros = u.compare::<_CMP_EQ_OQ>(zero)
+        | v.compare::<_CMP_EQ_OQ>(zero)
+        | w.compare::<_CMP_EQ_OQ>(zero);
+    if hits & zeros.signs() != 0 {
+        u = nonzero_edge(u, cx, cy, bx, by);
+        v = nonzero_edge(v, ax, ay, cx, cy);
+        w = nonzero_edge(w, bx, by, ax, ay);
+        hits &= one_sided(u, v, w);
+    }
+    let determinant = u + v + w;
+    let size = determinant & F8::splat(f32::from_bits(0x7fff_ffff));
+    let is_solid =
+        size.compare::<_CMP_GT_OQ>(zero) & size.compare::<_CMP_LT_OQ>(F8::splat(f32::MAX));
+
+    // Where the plane is met, clamped to the range of the vertices along the ray.
+    let p0 = [x0, y0, z0];
+    let e1 = [x1 - x0, y1 - y0, z1 - z0];
+    let e2 = [x2 - x0, y2 - y0, z2 - z0];
+    let n = [
+        e1[1] * e2[2] - e2[1] * e1[2],
+        e1[2] * e2[0] - e2[2] * e1[0],
+        e1[0] * e2[1] - e2[0] * e1[1],
+    ];
+    let sheared = &ray.block.sheared;
+    let (o, d) = (sheared.origin, sheared.direction);
+    let offset = [
+        p0[0] - F8::splat(o.x),
+        p0[1] - F8::splat(o.y),
+        p0[2] - F8::splat(o.z),
+    ];
+    let direction = [F8::splat(d.x), F8::splat(d.y), F8::splat(d.z)];
+    let plane = dot(n, offset) / dot(n, direction);
+    let scale = F8::splat(-sheared.shear.z);
+    let (za, zb, zc) = (az * scale, bz * scale, cz * scale);
+    // A NaN from 0/0 is replaced by the bounds as well.
+    let t = plane.max(za.min(zb).min(zc)).min(za.max(zb).max(zc));
+    let in_range = t.compare::<_CMP_GT_OQ>(F8::splat(ray.block.t_min))
+        & t.compare::<_CMP_LT_OQ>(F8::splat(t_max));
+    hits &= (is_solid & in_range).signs();
+    let t = t.to_array();
+    while hits != 0 {
+        let k = hits.trailing_zeros() as usize & 7;
+        hits &= hits - 1;
+        let primitive = names.to_array()[k].to_bits();
+        if hit.is_behind(t[k], primitive) {
+            let scale = 1.0 / determinant.to_array()[k];
+            *hit = BlockHit {
+                t: t[k],
+                b1: v.to_array()[k] * scale,
+                b2: w.to_array()[k] * scale,
+                primitive,
+            };
         }
     }
 }
@@ -304,11 +325,11 @@ impl Lanes for Avx2 {
 /// A vertex of each triangle in sheared space, relative to the origin and with its signs turned, which changes no edge
 /// function.
 #[inline(always)]
-fn vertex(block: &TriangleBlock, ray: &WideRay, k: usize) -> (F8, F8, F8) {
+fn vertex(p: [F8; 3], ray: &WideRay) -> (F8, F8, F8) {
     let [rx, ry, rz] = ray.block.rows;
-    let z = ray.origin[2] - F8::load(&block.axes[rz][k]);
-    let x = (ray.origin[0] - F8::load(&block.axes[rx][k])) - ray.shear[0] * z;
-    let y = (ray.origin[1] - F8::load(&block.axes[ry][k])) - ray.shear[1] * z;
+    let z = ray.origin[2] - p[rz];
+    let x = (ray.origin[0] - p[rx]) - ray.shear[0] * z;
+    let y = (ray.origin[1] - p[ry]) - ray.shear[1] * z;
     (x, y, z)
 }
 

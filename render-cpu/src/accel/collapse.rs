@@ -15,7 +15,9 @@
 //! In one place they may differ: the step of the grid is found by its bits rather than by logarithms, whose rounding can
 //! make it half of what the box needs.
 
+use super::slots::Children;
 use glam::Vec3A;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::node::CwBvhNode;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -163,7 +165,7 @@ impl Plan<'_> {
         self.choices[index as usize].load(Ordering::Relaxed)
     }
 
-    /// The binary nodes that are the children of the wide node of a binary one.
+    /// The binary nodes that are the children of the wide node of a binary one, in their slots.
     fn children(&self, index: u32) -> Children {
         let mut children = Children::default();
         if self.tree.nodes[index as usize].is_leaf() {
@@ -172,6 +174,7 @@ impl Plan<'_> {
             let left = self.choice(index) & 7;
             self.dissolve(index, left, 6 - left, &mut children);
         }
+        children.order(&self.tree.nodes, self.tree.nodes[index as usize].aabb());
         children
     }
 
@@ -216,7 +219,7 @@ impl Plan<'_> {
             roots.push(index);
             return;
         }
-        for &child in self.children(index).as_slice() {
+        for (_, child) in self.children(index).slots() {
             if self.choice(child) & IS_LEAF == 0 {
                 self.part_roots(child, level + 1, roots);
             }
@@ -255,7 +258,7 @@ impl Plan<'_> {
         let mut node = new_node(nodes[index as usize].aabb());
         node.primitive_base_idx = tree.primitives.len() as u32;
         node.child_base_idx = tree.nodes.len() as u32;
-        for (slot, &child) in children.as_slice().iter().enumerate() {
+        for (slot, child) in children.slots() {
             quantize(&mut node, slot, nodes[child as usize].aabb());
             node.child_meta[slot] = if self.choice(child) & IS_LEAF != 0 {
                 let first = tree.primitives.len();
@@ -273,7 +276,7 @@ impl Plan<'_> {
         let mut place = tree.nodes.len();
         let inner = node.imask.count_ones() as usize;
         tree.nodes.resize(place + inner, CwBvhNode::default());
-        for (slot, &child) in children.as_slice().iter().enumerate() {
+        for (slot, child) in children.slots() {
             if node.imask & (1 << slot) != 0 {
                 self.fill(tree, place, child, level + 1, parts);
                 place += 1;
@@ -311,26 +314,8 @@ impl WideTree {
     }
 }
 
-/// Up to eight binary nodes.
-#[derive(Clone, Copy, Default)]
-struct Children {
-    nodes: [u32; 8],
-    count: usize,
-}
-
-impl Children {
-    fn push(&mut self, node: u32) {
-        self.nodes[self.count] = node;
-        self.count += 1;
-    }
-
-    fn as_slice(&self) -> &[u32] {
-        &self.nodes[..self.count]
-    }
-}
-
 /// A node without children, with the grid of a box: 255 steps of a power of two from its lower corner on.
-fn new_node(bounds: &obvhs::aabb::Aabb) -> CwBvhNode {
+fn new_node(bounds: &Aabb) -> CwBvhNode {
     let extent = (bounds.max - bounds.min).max(Vec3A::splat(1e-20));
     // The least power of two that is no less; `x` is positive and normal.
     let exponent = |x: f32| (x.to_bits().wrapping_add(0x7f_ffff) >> 23) as u8;
@@ -342,7 +327,7 @@ fn new_node(bounds: &obvhs::aabb::Aabb) -> CwBvhNode {
 }
 
 /// Sets the box of a child, rounded outwards to the node's grid.
-fn quantize(node: &mut CwBvhNode, slot: usize, bounds: &obvhs::aabb::Aabb) {
+fn quantize(node: &mut CwBvhNode, slot: usize, bounds: &Aabb) {
     let corner = Vec3A::from(node.p);
     let per_step = 1.0 / Vec3A::from_array(node.e.map(|e| f32::from_bits(u32::from(e) << 23)));
     let limit = |v: Vec3A| v.clamp(Vec3A::ZERO, Vec3A::splat(255.0)).to_array();

@@ -1,8 +1,8 @@
-//! What the walk needs of a processor: a ray prepared for it, nodes and blocks of triangles tested against it.
+//! What the walk needs of a processor: a ray prepared for it, nodes and triangles tested against it.
 
 use super::block::{self, BlockHit, BlockRay};
 use super::node::{self, Children, NodeRay};
-use super::packed::TriangleBlock;
+use super::packed::Place;
 use glam::Vec3;
 use obvhs::cwbvh::node::CwBvhNode;
 
@@ -17,15 +17,9 @@ pub trait Lanes {
     /// The children of a node that the ray meets in (t_min, t_max).
     fn children(node: &CwBvhNode, ray: &Self::Ray, t_max: f32) -> Children;
 
-    /// The nearest hit in (t_min, t_max) among the triangles whose bits are set in `places`, of several at the very same
-    /// distance the one with the lowest `name`.
-    fn nearest(
-        block: &TriangleBlock,
-        name: impl Fn(usize) -> u32,
-        ray: &Self::Ray,
-        places: u32,
-        t_max: f32,
-    ) -> BlockHit;
+    /// The nearest hit in (t_min, t_max) among those of the `places` whose bits are set in `mask`, of several at the very
+    /// same distance the one with the lowest primitive.
+    fn nearest(places: &[Place], mask: u32, ray: &Self::Ray, t_max: f32) -> BlockHit;
 }
 
 /// A ray for processors without wide vectors.
@@ -56,14 +50,8 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn nearest(
-        block: &TriangleBlock,
-        name: impl Fn(usize) -> u32,
-        ray: &NarrowRay,
-        places: u32,
-        t_max: f32,
-    ) -> BlockHit {
-        block::portable(block, name, &ray.block, places, t_max)
+    fn nearest(places: &[Place], mask: u32, ray: &NarrowRay, t_max: f32) -> BlockHit {
+        block::portable(places, mask, &ray.block, t_max)
     }
 }
 
@@ -87,14 +75,8 @@ impl Lanes for Sse2 {
     }
 
     #[inline(always)]
-    fn nearest(
-        block: &TriangleBlock,
-        name: impl Fn(usize) -> u32,
-        ray: &NarrowRay,
-        places: u32,
-        t_max: f32,
-    ) -> BlockHit {
-        Portable::nearest(block, name, ray, places, t_max)
+    fn nearest(places: &[Place], mask: u32, ray: &NarrowRay, t_max: f32) -> BlockHit {
+        Portable::nearest(places, mask, ray, t_max)
     }
 }
 

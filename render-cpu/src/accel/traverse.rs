@@ -2,7 +2,7 @@
 //! Through Compressed Wide BVHs").
 //!
 //! The whole walk is compiled twice on x86-64, for every processor and for those with AVX2, which is looked up once when
-//! the traverser is made.
+//! the traverser is made. Many rays at once take the walk in lockstep (`super::lockstep`) where there is AVX-512.
 
 use super::build::MAX_WIDE_DEPTH;
 use super::lanes::Lanes;
@@ -10,13 +10,14 @@ use super::lanes::Lanes;
 use super::lanes::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Sse2};
-use super::packed::BLOCK;
 use super::{Accel, Group};
+use crate::processor::vectors as processor_vectors;
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::{transform_point, transform_vector};
+use halflight_kernel::math::vectors::Vectors;
 use halflight_kernel::scene::intersect::{intersect_quadric, is_traceable};
 use halflight_kernel::scene::traverse::REACH;
-use halflight_kernel::scene::{Hit, Tables, Traverse};
+use halflight_kernel::scene::{Hit, HitBatch, RayBatch, Tables, Traverse};
 use std::mem::MaybeUninit;
 
 /// Nodes that wait: of each node on the way down at most seven children, and all eight of the last.
@@ -25,23 +26,25 @@ const STACK_SIZE: usize = 7 * MAX_WIDE_DEPTH + 1;
 /// The ray tracer over an [`Accel`].
 #[derive(Clone, Copy)]
 pub struct CpuTraverse<'a> {
-    accel: &'a Accel,
-    tables: Tables<'a>,
+    pub(super) accel: &'a Accel,
+    pub(super) tables: Tables<'a>,
     #[cfg(target_arch = "x86_64")]
     has_avx2: bool,
+    vectors: Vectors,
 }
 
 /// The nearest hit so far.
-struct Nearest {
-    hit: Hit,
+#[derive(Clone, Copy)]
+pub(super) struct Nearest {
+    pub hit: Hit,
     /// Where the search ends: a little beyond the hit.
-    t_max: f32,
+    pub t_max: f32,
 }
 
 impl Nearest {
     /// Keeps a hit if it comes first; whether it does.
     #[inline(always)]
-    fn keep(&mut self, hit: Hit) -> bool {
+    pub fn keep(&mut self, hit: Hit) -> bool {
         let is_first = self.hit.is_behind(hit.t, hit.primitive, hit.instance);
         if is_first {
             self.t_max = hit.t * REACH;
@@ -58,6 +61,7 @@ impl<'a> CpuTraverse<'a> {
             tables,
             #[cfg(target_arch = "x86_64")]
             has_avx2: is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            vectors: processor_vectors(),
         }
     }
 
@@ -73,7 +77,7 @@ impl<'a> CpuTraverse<'a> {
         }
         let world = T::ray(ray.origin, ray.direction, ray.t_min);
         let group = &self.accel.groups[0];
-        if group.is_mixed() {
+        if group.is_mixed {
             walk::<T, ANY, true>(group, &world, 0, &mut nearest, |slot, nearest| {
                 self.other::<T, ANY, true>(group, slot, ray, ray, 0, nearest)
             });
@@ -94,8 +98,12 @@ impl<'a> CpuTraverse<'a> {
         instance: u32,
         nearest: &mut Nearest,
     ) -> bool {
-        let primitive = group.primitives[slot];
-        let index = (primitive as usize).wrapping_sub(self.tables.triangles.len());
+        let primitive = group.places[slot].primitive();
+        let triangles = self.tables.triangles.len();
+        if (primitive as usize) < triangles {
+            return false;
+        }
+        let index = primitive as usize - triangles;
         if index < self.tables.quadrics.len() {
             let quadric = &self.tables.quadrics[index];
             let t = intersect_quadric(
@@ -153,6 +161,18 @@ impl CpuTraverse<'_> {
         self.trace::<Avx2, false>(ray)
     }
 
+    /// One entry of a leaf of the world that is not a triangle.
+    #[target_feature(enable = "avx2,fma")]
+    pub(super) fn test_other<const ANY: bool>(
+        &self,
+        group: &Group,
+        place: usize,
+        ray: &Ray,
+        nearest: &mut Nearest,
+    ) {
+        self.other::<Avx2, ANY, true>(group, place, ray, ray, 0, nearest);
+    }
+
     #[target_feature(enable = "avx2,fma")]
     fn any_avx2(&self, ray: &Ray) -> Hit {
         self.trace::<Avx2, true>(ray)
@@ -176,6 +196,40 @@ impl Traverse for CpuTraverse<'_> {
             unsafe { self.any_avx2(ray) }.is_hit()
         } else {
             self.trace::<Sse2, true>(ray).is_hit()
+        }
+    }
+
+    fn closest_hits<const N: usize>(
+        &self,
+        rays: &RayBatch<N>,
+        count: usize,
+        hits: &mut HitBatch<N>,
+    ) {
+        if self.vectors.has_avx512() {
+            // SAFETY: the processor has the features (`processor_vectors`).
+            return unsafe { self.lockstep::<false, N>(rays, count, hits) };
+        }
+        for i in 0..count.min(N) {
+            hits.set(i, &self.closest_hit(&rays.get(i)));
+        }
+    }
+
+    fn are_occluded<const N: usize>(
+        &self,
+        rays: &RayBatch<N>,
+        count: usize,
+        hits: &mut HitBatch<N>,
+    ) {
+        if self.vectors.has_avx512() {
+            // SAFETY: the processor has the features (`processor_vectors`).
+            return unsafe { self.lockstep::<true, N>(rays, count, hits) };
+        }
+        for i in 0..count.min(N) {
+            hits.t[i] = if self.is_occluded(&rays.get(i)) {
+                0.0
+            } else {
+                f32::MAX
+            };
         }
     }
 }
@@ -211,46 +265,30 @@ fn walk<T: Lanes, const ANY: bool, const MIXED: bool>(
     let mut node = &nodes[0];
     loop {
         let children = T::children(node, ray, nearest.t_max);
-        let mut places = children.places();
-        let mut first = node.primitive_base_idx as usize;
-        while places != 0 {
-            let in_block = places & ((1 << BLOCK) - 1);
-            if in_block != 0 {
-                let block = first / BLOCK;
-                let triangles = &group.blocks[block];
-                let name = |place: usize| group.primitives[first + place];
-                let found = T::nearest(triangles, name, ray, in_block, nearest.t_max);
-                if found.place < BLOCK {
-                    let is_first = nearest.keep(Hit {
-                        t: found.t,
-                        b1: found.b1,
-                        b2: found.b2,
-                        primitive: name(found.place),
-                        instance,
-                    });
-                    if ANY && is_first {
-                        return true;
-                    }
-                }
-                let mut others = if MIXED {
-                    in_block
-                        & group
-                            .others
-                            .get(block)
-                            .map_or(0, |&places| u32::from(places))
-                } else {
-                    0
-                };
-                while others != 0 {
-                    let slot = first + others.trailing_zeros() as usize;
-                    others &= others - 1;
-                    if other(slot, nearest) {
-                        return true;
-                    }
+        let leaves = children.places();
+        if leaves != 0 {
+            let first = node.primitive_base_idx as usize;
+            let found = T::nearest(&group.places[first..], leaves, ray, nearest.t_max);
+            if found.t < f32::MAX {
+                let is_first = nearest.keep(Hit {
+                    t: found.t,
+                    b1: found.b1,
+                    b2: found.b2,
+                    primitive: found.primitive,
+                    instance,
+                });
+                if ANY && is_first {
+                    return true;
                 }
             }
-            places >>= BLOCK;
-            first += BLOCK;
+            let mut others = if MIXED { leaves } else { 0 };
+            while others != 0 {
+                let slot = first + others.trailing_zeros() as usize;
+                others &= others - 1;
+                if other(slot, nearest) {
+                    return true;
+                }
+            }
         }
         let mut inner = children.inner();
         let bottom = size;

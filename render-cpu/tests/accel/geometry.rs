@@ -127,7 +127,7 @@ impl Geometry {
         nearest.is_hit() && others.search(ray).t == nearest.t
     }
 
-    /// Compares the three on one ray.
+    /// Compares the three, and the wide trees' walk with many rays at once.
     pub fn check(&mut self, rays: &[Ray]) {
         let accel = Accel::build(self.tables(), &self.groups);
         let nodes = accel.shader_nodes(self.tables());
@@ -150,6 +150,33 @@ impl Geometry {
                 assert_eq!(hit, expected, "{name} along {ray:?}");
                 assert_eq!(occluded, expected.is_hit(), "{name} along {ray:?}");
             }
+        }
+        check_batches::<64>(&wide, rays);
+        check_batches::<200>(&wide, rays);
+    }
+}
+
+/// Rays side by side meet what each meets alone; the last batch is not full. What a batch held before must not matter, so that
+/// all share one.
+pub fn check_batches<const N: usize>(traverse: &impl Traverse, rays: &[Ray]) {
+    let mut batch: Box<RayBatch<N>> = bytemuck::zeroed_box();
+    let mut hits: Box<HitBatch<N>> = bytemuck::zeroed_box();
+    for rays in rays.chunks(N) {
+        for (i, ray) in rays.iter().enumerate() {
+            batch.set(i, ray);
+        }
+        traverse.closest_hits(&batch, rays.len(), &mut hits);
+        for (i, ray) in rays.iter().enumerate() {
+            assert_eq!(
+                hits.get(i),
+                traverse.closest_hit(ray),
+                "batch along {ray:?}"
+            );
+        }
+        traverse.are_occluded(&batch, rays.len(), &mut hits);
+        for (i, ray) in rays.iter().enumerate() {
+            let is_occluded = traverse.is_occluded(ray);
+            assert_eq!(hits.is_hit(i), is_occluded, "batch along {ray:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The wide trees, the kernel's binary walk and a search of all primitives find the same hits.
 
-use crate::geometry::{Geometry, Random, rays_around, world};
+use crate::geometry::{Geometry, Random, check_batches, rays_around, world};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use halflight::accel::{Accel, GroupRange};
 use halflight_kernel::math::Ray;
@@ -273,9 +273,10 @@ fn unusable_coordinates() {
     }];
     g.check(&[ray]);
     let accel = Accel::build(g.tables(), &g.groups);
-    let tables = g.tables();
+    let traverse = accel.traverse(g.tables());
+    let mut untraceable = vec![Ray::new(Vec3::ZERO, Vec3::ZERO)];
     for bad in [f32::NAN, f32::INFINITY] {
-        for ray in [
+        untraceable.extend([
             Ray::new(Vec3::splat(bad), Vec3::X),
             Ray::new(Vec3::ZERO, Vec3::new(0.0, bad, 1.0)),
             Ray { t_min: bad, ..ray },
@@ -283,13 +284,15 @@ fn unusable_coordinates() {
                 t_max: f32::NAN,
                 ..ray
             },
-        ] {
-            assert_eq!(accel.traverse(tables).closest_hit(&ray), Hit::MISS);
-            assert!(!accel.traverse(tables).is_occluded(&ray));
-        }
+        ]);
     }
-    let zero = Ray::new(Vec3::ZERO, Vec3::ZERO);
-    assert_eq!(accel.traverse(tables).closest_hit(&zero), Hit::MISS);
+    for ray in &untraceable {
+        assert_eq!(traverse.closest_hit(ray), Hit::MISS);
+        assert!(!traverse.is_occluded(ray));
+    }
+    // Beside one that can be traced.
+    let mixed: Vec<_> = untraceable.iter().flat_map(|bad| [*bad, ray]).collect();
+    check_batches::<64>(&traverse, &mixed);
 }
 
 /// From microns to megametres; obvhs's own walk ignores hits nearer than 1e-4.

@@ -92,7 +92,7 @@ fn wide_nodes_are_those_of_obvhs() {
         });
         let found = build::primitive_bounds(&geometry.tables(), &geometry.groups[0], None);
         let binary = build::binary_tree(found, build::MAX_BINARY_DEPTH);
-        let expected = bvh2_to_cwbvh(&binary, 3, false, false);
+        let expected = bvh2_to_cwbvh(&binary, 3, true, false);
         let wide = collapse(&binary, build::MAX_BINARY_DEPTH).unwrap();
         assert!(wide.nodes == expected.nodes, "{count}");
         assert_eq!(wide.primitives, expected.primitive_indices, "{count}");

@@ -3,14 +3,16 @@
 //! The scene is a bumpy sphere of 100 352 triangles over a ground of two. `camera` rays come from a grid of pixels, in
 //! order; `scattered` rays start on the surface in random directions of the hemisphere; `shadow` rays ask only whether the
 //! way to a point above is free. One element of throughput is one ray. `obvhs` is the library's own traversal with its
-//! own triangle test, which returns only a distance: the cost of bare traversal.
+//! own triangle test, which returns only a distance: the cost of bare traversal. `batch` is the wide tree with 1024 rays at
+//! once.
 
+use bytemuck::Zeroable;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec3, Vec3A};
 use halflight::accel::{Accel, GroupRange};
 use halflight_kernel::math::{Frame, Ray};
 use halflight_kernel::scene::{
-    Bvh2Traverse, Instance, Shape, Tables, Traverse, Triangle, surface_at,
+    Bvh2Traverse, HitBatch, Instance, RayBatch, Shape, Tables, Traverse, Triangle, surface_at,
 };
 use std::hint::black_box;
 
@@ -148,6 +150,22 @@ fn obvhs_ray(ray: &Ray) -> obvhs::ray::Ray {
     obvhs::ray::Ray::new(o, d, ray.t_min, ray.t_max)
 }
 
+/// Rays of a batch.
+const BATCH: usize = 1024;
+
+/// Full batches of these rays.
+fn batches(rays: &[Ray]) -> Vec<RayBatch<BATCH>> {
+    let mut batches = vec![];
+    for rays in rays.chunks_exact(BATCH) {
+        let mut batch = RayBatch::zeroed();
+        for (i, ray) in rays.iter().enumerate() {
+            batch.set(i, ray);
+        }
+        batches.push(batch);
+    }
+    batches
+}
+
 fn traversal(criterion: &mut Criterion) {
     let mesh = Mesh::bumpy_sphere();
     let range = GroupRange {
@@ -186,6 +204,7 @@ fn traversal(criterion: &mut Criterion) {
         .collect();
     let camera = camera_rays(256);
     let (scattered, shadow) = secondary_rays(tables, &wide);
+    let mut hits = HitBatch::<BATCH>::zeroed();
 
     for (name, rays) in [("camera", &camera), ("scattered", &scattered)] {
         let mut group = criterion.benchmark_group(name);
@@ -197,6 +216,17 @@ fn traversal(criterion: &mut Criterion) {
                     .sum::<usize>()
             });
         });
+        let batches = batches(rays);
+        group.throughput(Throughput::Elements((batches.len() * BATCH) as u64));
+        group.bench_function("batch", |b| {
+            b.iter(|| {
+                for batch in &batches {
+                    wide.closest_hits(black_box(batch), BATCH, &mut hits);
+                    black_box(&hits);
+                }
+            });
+        });
+        group.throughput(Throughput::Elements(rays.len() as u64));
         group.bench_function("binary", |b| {
             b.iter(|| {
                 rays.iter()
@@ -228,6 +258,17 @@ fn traversal(criterion: &mut Criterion) {
                 .count()
         });
     });
+    let batches = batches(&shadow);
+    group.throughput(Throughput::Elements((batches.len() * BATCH) as u64));
+    group.bench_function("batch", |b| {
+        b.iter(|| {
+            for batch in &batches {
+                wide.are_occluded(black_box(batch), BATCH, &mut hits);
+                black_box(&hits);
+            }
+        });
+    });
+    group.throughput(Throughput::Elements(shadow.len() as u64));
     group.bench_function("binary", |b| {
         b.iter(|| {
             shadow

@@ -68,9 +68,7 @@ pub trait Traverse {
         count: usize,
         hits: &mut HitBatch<N>,
     ) {
-        for i in 0..count.min(N) {
-            hits.set(i, &self.closest_hit(&rays.get(i)));
-        }
+        closest_hits_in_turn(self, rays, count, hits);
     }
 
     /// [`Traverse::is_occluded`] of the first `count` rays: [`HitBatch::is_hit`] tells which are. Nothing else of the hits is
@@ -82,9 +80,35 @@ pub trait Traverse {
         count: usize,
         hits: &mut HitBatch<N>,
     ) {
-        for i in 0..count.min(N) {
-            let is_occluded = self.is_occluded(&rays.get(i));
-            hits.t[i] = if is_occluded { 0.0 } else { f32::MAX };
-        }
+        are_occluded_in_turn(self, rays, count, hits);
+    }
+}
+
+/// [`Traverse::closest_hits`] by single rays.
+#[cfg(not(target_arch = "spirv"))]
+#[inline]
+pub fn closest_hits_in_turn<T: Traverse + ?Sized, const N: usize>(
+    traverse: &T,
+    rays: &RayBatch<N>,
+    count: usize,
+    hits: &mut HitBatch<N>,
+) {
+    for i in 0..count.min(N) {
+        hits.set(i, &traverse.closest_hit(&rays.get(i)));
+    }
+}
+
+/// [`Traverse::are_occluded`] by single rays.
+#[cfg(not(target_arch = "spirv"))]
+#[inline]
+pub fn are_occluded_in_turn<T: Traverse + ?Sized, const N: usize>(
+    traverse: &T,
+    rays: &RayBatch<N>,
+    count: usize,
+    hits: &mut HitBatch<N>,
+) {
+    for i in 0..count.min(N) {
+        let is_occluded = traverse.is_occluded(&rays.get(i));
+        hits.t[i] = if is_occluded { 0.0 } else { f32::MAX };
     }
 }

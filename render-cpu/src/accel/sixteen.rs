@@ -220,10 +220,12 @@ avx512! {
         kept
     }
 
-    /// Tests the spheres of a mask among the primitives that wait for the rays `owners`; the rays' lanes that have met one.
+    /// Tests the spheres of a mask among the primitives that wait for `rays`, those of the lanes `owners`; the rays' lanes that
+    /// have met one.
     fn test_spheres(
         sixteen: &mut Sixteen,
         tables: &Tables<'_>,
+        rays: &ShearedRays,
         owners: __m512i,
         primitives: __m512i,
         spheres: u16,
@@ -231,13 +233,9 @@ avx512! {
         if spheres == 0 {
             return 0;
         }
-        let of = |row: &Floats| _mm512_permutexvar_ps(owners, load(row));
-        let of_three = |rows: &[Floats; 3]| [of(&rows[0]), of(&rows[1]), of(&rows[2])];
-        let origin = of_three(&sixteen.origin);
-        let direction = of_three(&sixteen.direction);
-        let range = [of(&sixteen.t_min), of(&sixteen.t_max)];
         let to_object = spheres16::maps(tables, primitives, spheres);
-        let found = spheres16::hits(origin, direction, to_object, range, spheres);
+        let range = [rays.t_min, rays.t_max];
+        let found = spheres16::hits(rays.origin, rays.direction, to_object, range, spheres);
         keep(sixteen, owners, &found, primitives)
     }
 
@@ -310,7 +308,7 @@ impl CpuTraverse<'_> {
                 let mut at = Words::all(0);
                 store_words(&mut at, _mm512_srli_epi32::<4>(entries));
                 let spheres = spheres16::are_spheres(&self.tables, name, others);
-                met |= test_spheres(sixteen, &self.tables, lanes, name, spheres);
+                met |= test_spheres(sixteen, &self.tables, &rays, lanes, name, spheres);
                 met |= self.test_others(sixteen, group, &at, lanes, others & !spheres, any);
             }
         }

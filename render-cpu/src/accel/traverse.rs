@@ -16,7 +16,7 @@ use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::{transform_point, transform_vector};
 use halflight_kernel::math::vectors::Vectors;
 use halflight_kernel::scene::intersect::{intersect_quadric, is_traceable};
-use halflight_kernel::scene::traverse::REACH;
+use halflight_kernel::scene::traverse::{REACH, are_occluded_in_turn, closest_hits_in_turn};
 use halflight_kernel::scene::{Hit, HitBatch, RayBatch, Tables, Traverse};
 use std::mem::MaybeUninit;
 
@@ -209,9 +209,7 @@ impl Traverse for CpuTraverse<'_> {
             // SAFETY: the processor has the features (`processor_vectors`).
             return unsafe { self.lockstep::<false, N>(rays, count, hits) };
         }
-        for i in 0..count.min(N) {
-            hits.set(i, &self.closest_hit(&rays.get(i)));
-        }
+        closest_hits_in_turn(self, rays, count, hits);
     }
 
     fn are_occluded<const N: usize>(
@@ -224,13 +222,7 @@ impl Traverse for CpuTraverse<'_> {
             // SAFETY: the processor has the features (`processor_vectors`).
             return unsafe { self.lockstep::<true, N>(rays, count, hits) };
         }
-        for i in 0..count.min(N) {
-            hits.t[i] = if self.is_occluded(&rays.get(i)) {
-                0.0
-            } else {
-                f32::MAX
-            };
-        }
+        are_occluded_in_turn(self, rays, count, hits);
     }
 }
 

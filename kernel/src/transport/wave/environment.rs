@@ -86,9 +86,9 @@ impl<const N: usize> EnvironmentLanes<N> {
         let emitter = &tables.emitters[tables.info.environment as usize];
         let (pdf, uv) = (&mut self.pdf, &mut self.uv);
         if has_table(emitter) {
-            find(vectors, tables, emitter, paths, list, segment, pdf, uv);
+            find::<true, N>(vectors, tables, emitter, paths, list, segment, pdf, uv);
         } else {
-            find_evenly(vectors, emitter, paths, list, segment, pdf, uv);
+            find::<false, N>(vectors, tables, emitter, paths, list, segment, pdf, uv);
         }
         self.look_up(vectors, tables, emitter, segment, textures);
     }
@@ -200,8 +200,8 @@ over_lanes! {
         }
     }
 
-    /// Image coordinates and densities of the paths' directions.
-    fn find<; const N: usize>(
+    /// Image coordinates and densities of the paths' directions, which are uniform without a table.
+    fn find<; const HAS_TABLE: bool, const N: usize>(
         tables: &Tables<'_>,
         emitter: &Emitter,
         paths: &PathLanes<N>,
@@ -213,26 +213,12 @@ over_lanes! {
         for k in segment.slots::<N>() {
             let direction = paths.rays.direction.pick(list[k]);
             let uv = to_uv(transform_vector(&emitter.to_local, direction));
-            let (column, row) = cell(emitter, uv);
-            pdf[k] = pdf_of_cell(tables, emitter, column, row);
-            coordinates[0][k] = uv.x;
-            coordinates[1][k] = uv.y;
-        }
-    }
-
-    /// [`find`] where densities are uniform.
-    fn find_evenly<; const N: usize>(
-        emitter: &Emitter,
-        paths: &PathLanes<N>,
-        list: &[u32; N],
-        segment: Segment,
-        pdf: &mut [f32; N],
-        coordinates: &mut [[f32; N]; 2],
-    ) {
-        for k in segment.slots::<N>() {
-            let direction = paths.rays.direction.pick(list[k]);
-            let uv = to_uv(transform_vector(&emitter.to_local, direction));
-            pdf[k] = UNIFORM_SPHERE_PDF;
+            pdf[k] = if HAS_TABLE {
+                let (column, row) = cell(emitter, uv);
+                pdf_of_cell(tables, emitter, column, row)
+            } else {
+                UNIFORM_SPHERE_PDF
+            };
             coordinates[0][k] = uv.x;
             coordinates[1][k] = uv.y;
         }

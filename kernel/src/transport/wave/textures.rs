@@ -99,6 +99,20 @@ impl<const N: usize> TextureLanes<N> {
     }
 }
 
+/// Coordinates by the map of texture `i`.
+#[inline(always)]
+fn transformed(tables: &Tables<'_>, i: u32, uv: Vec2) -> Vec2 {
+    let m = [
+        field(tables.textures, i, |t| t.to_uv[0]),
+        field(tables.textures, i, |t| t.to_uv[1]),
+        field(tables.textures, i, |t| t.to_uv[2]),
+        field(tables.textures, i, |t| t.to_uv[3]),
+        field(tables.textures, i, |t| t.to_uv[4]),
+        field(tables.textures, i, |t| t.to_uv[5]),
+    ];
+    transform_uv(&m, uv)
+}
+
 over_lanes! {
     /// Follows nested textures by one level, and says whether there were any.
     fn follow<; const N: usize>(
@@ -114,15 +128,7 @@ over_lanes! {
             let i = textures[k];
             let kind = field(tables.textures, i, |t| t.kind);
             let is_nested = is_nested(kind);
-            let m = [
-                field(tables.textures, i, |t| t.to_uv[0]),
-                field(tables.textures, i, |t| t.to_uv[1]),
-                field(tables.textures, i, |t| t.to_uv[2]),
-                field(tables.textures, i, |t| t.to_uv[3]),
-                field(tables.textures, i, |t| t.to_uv[4]),
-                field(tables.textures, i, |t| t.to_uv[5]),
-            ];
-            let second = leads_to_second(kind, transform_uv(&m, Vec2::new(uv[0][k], uv[1][k])));
+            let second = leads_to_second(kind, transformed(tables, i, Vec2::new(uv[0][k], uv[1][k])));
             let (first_value, first) = (
                 field(tables.textures, i, |t| t.color0.value),
                 field(tables.textures, i, |t| t.color0.texture),
@@ -155,15 +161,7 @@ over_lanes! {
             let i = textures[k];
             let is_some = i < tables.textures.len() as u32;
             let is_bitmap = is_some & (field(tables.textures, i, |t| t.kind) == texture_kind::BITMAP);
-            let m = [
-                field(tables.textures, i, |t| t.to_uv[0]),
-                field(tables.textures, i, |t| t.to_uv[1]),
-                field(tables.textures, i, |t| t.to_uv[2]),
-                field(tables.textures, i, |t| t.to_uv[3]),
-                field(tables.textures, i, |t| t.to_uv[4]),
-                field(tables.textures, i, |t| t.to_uv[5]),
-            ];
-            let at = transform_uv(&m, Vec2::new(uv[0][k], uv[1][k]));
+            let at = transformed(tables, i, Vec2::new(uv[0][k], uv[1][k]));
             let value = Bitmap::of(tables, i).eval(tables, at);
             let factor = if is_bitmap { value } else { Vec3::ONE };
             values.set(k, values.get(k) * factor);

@@ -4,8 +4,8 @@
 //! a step takes one node for each of sixteen rays, without a branch on what they are (as graphics hardware does: Aila and
 //! Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs"); a ray that is done makes room for the next of
 //! the batch. What a node leaves of its children is kept as bits (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray
-//! Traversal on GPUs Through Compressed Wide BVHs"), and triangles wait in a queue until there are sixteen of them, whichever
-//! rays they are for. Other primitives are left to the walk of single rays.
+//! Traversal on GPUs Through Compressed Wide BVHs"), and triangles and spheres wait in a queue until there are sixteen of them,
+//! whichever rays they are for. Other primitives are left to the walk of single rays.
 //!
 //! Which hit is found does not depend on the order of the walk ([`halflight_kernel::scene::Traverse::closest_hit`]), so that
 //! it is that of a single ray, to the bit.

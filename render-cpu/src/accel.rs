@@ -21,6 +21,7 @@ mod lanes16;
 mod lockstep;
 pub mod node;
 pub mod packed;
+pub mod pairs;
 #[cfg(target_arch = "x86_64")]
 mod root16;
 pub mod shader_nodes;
@@ -33,8 +34,8 @@ pub mod traverse;
 #[cfg(target_arch = "x86_64")]
 mod triangles16;
 
-use build::{GroupTree, primitive_bounds};
-use halflight_kernel::scene::Tables;
+use build::{GroupTree, place_bounds};
+use halflight_kernel::scene::{NONE, Tables};
 use packed::Place;
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -99,16 +100,17 @@ impl Accel {
         let mut bounds = vec![obvhs::aabb::Aabb::empty(); accel.groups.len()];
         // The groups first, because the world needs their bounds for its instances.
         for (index, range) in groups.iter().enumerate().rev() {
-            let found = primitive_bounds(&tables, range, (index == 0).then_some(&bounds[..]));
+            let found = place_bounds(&tables, range, (index == 0).then_some(&bounds[..]));
             accel.statistics.skipped += found.skipped;
             let tree = GroupTree::build(found);
             bounds[index] = tree.bounds;
             accel.statistics.depth = accel.statistics.depth.max(tree.depth);
-            accel.statistics.primitives += tree.primitives.len();
+            let pairs = tree.places.iter().filter(|place| place[1] != NONE).count();
+            accel.statistics.primitives += tree.places.len() + pairs;
             let triangles = tables.triangles.len() as u32;
             accel.groups[index] = Group {
                 places: packed::places(&tables, &tree),
-                is_mixed: tree.primitives.iter().any(|&p| p >= triangles),
+                is_mixed: tree.places.iter().any(|place| place[0] >= triangles),
                 nodes: tree.nodes,
             };
         }

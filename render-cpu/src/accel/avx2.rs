@@ -212,29 +212,29 @@ impl Lanes for Avx2 {
         let mut hit = BlockHit::MISS;
         let mut left = mask;
         while left != 0 {
-            // Eight of them, the first again where there are fewer.
+            // Both triangles of four of them, the first again where there are fewer.
             let first = &places[left.trailing_zeros() as usize];
-            let mut eight = [first; 8];
+            let mut four = [first; 4];
             let mut count = 0;
-            while left != 0 && count < 8 {
-                eight[count] = &places[left.trailing_zeros() as usize];
+            while left != 0 && count < 4 {
+                four[count] = &places[left.trailing_zeros() as usize];
                 left &= left - 1;
                 count += 1;
             }
-            nearest_of(&eight, (1 << count) - 1, ray, t_max, &mut hit);
+            nearest_of(&four, (1 << count) - 1, ray, t_max, &mut hit);
         }
         hit
     }
 }
 
-/// Columns of the rows of a vertex.
+/// Columns of rows.
 #[inline(always)]
-fn columns(places: &[&Place; 8], vertex: usize) -> [F8; 4] {
+fn columns(rows: [&[f32; 4]; 8]) -> [F8; 4] {
     // SAFETY: the processor has AVX2, and rows are four floats.
     unsafe {
         let two = |k: usize| {
-            let low = _mm_loadu_ps(places[k].row(vertex).as_ptr());
-            let high = _mm_loadu_ps(places[k + 4].row(vertex).as_ptr());
+            let low = _mm_loadu_ps(rows[k].as_ptr());
+            let high = _mm_loadu_ps(rows[k + 4].as_ptr());
             _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high)
         };
         let (a, b, c, d) = (two(0), two(1), two(2), two(3));
@@ -251,12 +251,14 @@ fn columns(places: &[&Place; 8], vertex: usize) -> [F8; 4] {
     }
 }
 
-/// Keeps the first hit of those of the triangles whose bits are set in `mask`, if it comes before `hit`.
+/// Keeps the first hit of those of the triangles of the places whose bits are set in `mask`, if it comes before `hit`.
 #[inline(always)]
-fn nearest_of(places: &[&Place; 8], mask: u32, ray: &WideRay, t_max: f32, hit: &mut BlockHit) {
-    let [x0, y0, z0, names] = columns(places, 0);
-    let [x1, y1, z1, _] = columns(places, 1);
-    let [x2, y2, z2, _] = columns(places, 2);
+fn nearest_of(places: &[&Place; 4], mask: u32, ray: &WideRay, t_max: f32, hit: &mut BlockHit) {
+    let corners: [[&[f32; 4]; 3]; 8] = std::array::from_fn(|k| places[k % 4].corners(k / 4));
+    let [x0, y0, z0, _] = columns(corners.map(|[a, _, _]| a));
+    let [x1, y1, z1, _] = columns(corners.map(|[_, b, _]| b));
+    let [x2, y2, z2, _] = columns(corners.map(|[_, _, c]| c));
+    let mask = mask * 0b1_0001;
     let (ax, ay, az) = vertex([x0, y0, z0], ray);
     let (bx, by, bz) = vertex([x1, y1, z1], ray);
     let (cx, cy, cz) = vertex([x2, y2, z2], ray);
@@ -309,7 +311,10 @@ fn nearest_of(places: &[&Place; 8], mask: u32, ray: &WideRay, t_max: f32, hit: &
     while hits != 0 {
         let k = hits.trailing_zeros() as usize & 7;
         hits &= hits - 1;
-        let primitive = names.to_array()[k].to_bits();
+        let primitive = match k {
+            0..4 => places[k].primitive(),
+            _ => places[k - 4].partner(),
+        };
         if hit.is_behind(t[k], primitive) {
             let scale = 1.0 / determinant.to_array()[k];
             *hit = BlockHit {

@@ -5,6 +5,7 @@
 
 use super::packed::Place;
 use glam::Vec3;
+use halflight_kernel::scene::NONE;
 use halflight_kernel::scene::intersect::{ShearedRay, intersect_triangle};
 
 /// What triangles need of a ray.
@@ -74,16 +75,20 @@ pub fn portable(places: &[Place], mask: u32, ray: &BlockRay, t_max: f32) -> Bloc
     while left != 0 {
         let place = &places[left.trailing_zeros() as usize];
         left &= left - 1;
-        let [p0, p1, p2] = place.vertices();
-        let found = intersect_triangle(&ray.sheared, p0, p1, p2, ray.t_min, t_max);
-        let primitive = place.primitive();
-        if hit.is_behind(found.t, primitive) {
-            hit = BlockHit {
-                t: found.t,
-                b1: found.b1,
-                b2: found.b2,
-                primitive,
-            };
+        for (triangle, primitive) in [place.primitive(), place.partner()].into_iter().enumerate() {
+            if primitive == NONE {
+                continue;
+            }
+            let [p0, p1, p2] = place.vertices(triangle);
+            let found = intersect_triangle(&ray.sheared, p0, p1, p2, ray.t_min, t_max);
+            if hit.is_behind(found.t, primitive) {
+                hit = BlockHit {
+                    t: found.t,
+                    b1: found.b1,
+                    b2: found.b2,
+                    primitive,
+                };
+            }
         }
     }
     hit

@@ -4,10 +4,12 @@
 //! and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3). With A(n) half
 //! the area of the box of n, P(n) the primitives below it and C(n, i) the cost of the subtree in at most i slots of a node:
 //!
-//! C(n, 1) = min(0.3 A(n) P(n), A(n) + min_k C(l, k) + C(r, 8 - k)), the first only up to three primitives,
-//! C(n, i) = min(C(n, i - 1), min_k C(l, k) + C(r, i - k)).
+//! C(n, 1) = min(c A(n) P(n), A(n) + min_k C(l, k) + C(r, 8 - k)), the first only up to three primitives,
+//! C(n, i) = min(C(n, i - 1), min_k C(l, k) + C(r, i - k)),
 //!
-//! The same function is in obvhs (`bvh2_to_cwbvh`). It keeps 56 bytes for every binary node, walks them with one thread,
+//! where c is the cost of a primitive and that of a node is 1.
+//!
+//! The same function is in obvhs (`bvh2_to_cwbvh`), with c = 0.3. It keeps 56 bytes for every binary node, walks them with one thread,
 //! and took a third of the time before the first ray; here costs live on the stack only, what was chosen takes four
 //! bytes, and both walks are shared by all threads. Invariants (tests): the nodes are those of obvhs, to the bit, and the
 //! same for any number of threads.
@@ -25,9 +27,6 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Primitives per leaf of a wide tree; the nodes' format has room for three.
 const MAX_LEAF: u32 = 3;
-
-/// Cost of a primitive, where that of a node is 1.
-const PRIMITIVE_COST: f32 = 0.3;
 
 /// Binary nodes below this many levels of a large tree are priced by one thread.
 const SHARED_LEVELS: usize = 10;
@@ -49,14 +48,15 @@ pub struct WideTree {
     pub depth: usize,
 }
 
-/// The wide nodes of a tree with one primitive per leaf; `None` if it has more than `max_depth` nodes from the root to
+/// The wide nodes of a tree with one primitive per leaf, which costs `primitive_cost` nodes; `None` if it has more than `max_depth` nodes from the root to
 /// some leaf.
-pub fn collapse(tree: &Bvh2, max_depth: usize) -> Option<WideTree> {
+pub fn collapse(tree: &Bvh2, primitive_cost: f32, max_depth: usize) -> Option<WideTree> {
     if tree.nodes.is_empty() {
         return Some(WideTree::default());
     }
     let plan = Plan {
         tree,
+        primitive_cost,
         max_depth: max_depth as u32,
         shared_levels: match tree.nodes.len() {
             0..MIN_SHARED => 0,
@@ -88,6 +88,7 @@ const IS_LEAF: Choice = 8;
 
 struct Plan<'a> {
     tree: &'a Bvh2,
+    primitive_cost: f32,
     max_depth: u32,
     shared_levels: u32,
     choices: Vec<AtomicU32>,
@@ -101,7 +102,7 @@ impl Plan<'_> {
         if node.is_leaf() {
             self.choices[index].store(IS_LEAF, Ordering::Relaxed);
             return Price {
-                costs: [area * PRIMITIVE_COST; 7],
+                costs: [area * self.primitive_cost; 7],
                 primitives: 1,
                 depth: 1,
             };
@@ -135,7 +136,7 @@ impl Plan<'_> {
         }
         costs[0] = least + area;
         if primitives <= MAX_LEAF {
-            let leaf = primitives as f32 * area * PRIMITIVE_COST;
+            let leaf = primitives as f32 * area * self.primitive_cost;
             if leaf < costs[0] {
                 costs[0] = leaf;
                 choice |= IS_LEAF;

@@ -24,6 +24,12 @@ const REFILL: u32 = 3;
 /// Where children's bits begin in [`Walks::bits`].
 pub const CHILDREN: u32 = 24;
 
+/// Plane q is the float [`OFFSET`] + q, of which q is the second byte.
+const OFFSET: f32 = 32768.0;
+
+/// Its second byte of every word.
+const SECOND_BYTES: u64 = 0x2222_2222_2222_2222;
+
 /// The first of them.
 pub const FIRST_CHILD: i32 = 1 << CHILDREN;
 
@@ -40,6 +46,9 @@ struct Walks {
     base: [Words; MAX_WIDE_DEPTH],
     bits: [Words; MAX_WIDE_DEPTH],
     size: Words,
+    /// Shuffles that put each byte of words where the highest bits of a float's fraction are. They are read from here so that no
+    /// compiler knows what they do and makes something else of them.
+    bytes: [Words; 4],
     /// Lanes that have a ray.
     live: u16,
     /// Lanes that have nodes left.
@@ -54,6 +63,7 @@ impl Walks {
         base: [Words::all(0); MAX_WIDE_DEPTH],
         bits: [Words::all(0); MAX_WIDE_DEPTH],
         size: Words::all(0),
+        bytes: [Words::all(0); 4],
         live: 0,
         busy: 0,
     };
@@ -81,6 +91,10 @@ impl CpuTraverse<'_> {
         let mut starts = Starts::new();
         begin_all(group, rays, count, &mut starts);
         let mut walks = Walks::NONE;
+        for (k, words) in walks.bytes.iter_mut().enumerate() {
+            let k = std::hint::black_box(k as u32);
+            words.0 = std::array::from_fn(|lane| (4 * (lane as u32 % 4) + k) << 8);
+        }
         let mut next = 0;
         loop {
             let idle = !walks.busy;
@@ -190,10 +204,12 @@ avx512! {
         _mm512_add_epi32(low, high)
     }
 
-    /// The lanes of `mask` that meet child `C` of four, by the near and the far planes' bytes.
-    fn meets<const C: u32>(
+    /// The lanes of `mask` that meet a child, by the near and the far planes' bytes, of which `bytes` makes floats
+    /// ([`Walks::bytes`]).
+    fn meets(
         near: [__m512i; 3],
         far: [__m512i; 3],
+        bytes: __m512i,
         step: [__m512; 3],
         low: [__m512; 3],
         high: [__m512; 3],
@@ -201,7 +217,8 @@ avx512! {
         mask: u16,
     ) -> u16 {
         let at = |planes: __m512i, step: __m512, base: __m512| {
-            _mm512_fmadd_ps(_mm512_cvtepi32_ps(byte::<C>(planes)), step, base)
+            let plane = _mm512_mask_shuffle_epi8(word(OFFSET.to_bits() as i32), SECOND_BYTES, planes, bytes);
+            _mm512_fmadd_ps(_mm512_castsi512_ps(plane), step, base)
         };
         let t0 = _mm512_max_ps(
             _mm512_max_ps(at(near[0], step[0], low[0]), at(near[1], step[1], low[1])),
@@ -244,10 +261,11 @@ avx512! {
             let inverse = load(&walks.rays.inverse[k]);
             let unit = _mm512_castsi512_ps(_mm512_slli_epi32::<23>(exponent[k]));
             let offset = _mm512_sub_ps(_mm512_castsi512_ps(corner[k]), load(&walks.rays.origin[k]));
-            let [step, low, high] = plane_distances(unit, offset, inverse);
+            // Rounded at the size of the offset of the planes.
+            let [step, low, high] = plane_distances::<4500>(unit, offset, inverse);
             grid[0][k] = step;
-            grid[1][k] = low;
-            grid[2][k] = high;
+            grid[1][k] = _mm512_fmadd_ps(step, splat(-OFFSET), low);
+            grid[2][k] = _mm512_fmadd_ps(step, splat(-OFFSET), high);
             let negative = walks.rays.negative[k];
             for half in 0..2 {
                 let (lower, upper) = (planes[k][half], planes[k][2 + half]);
@@ -256,11 +274,17 @@ avx512! {
             }
         }
         let [step, low, high] = grid;
+        let bytes = [
+            load_words(&walks.bytes[0]),
+            load_words(&walks.bytes[1]),
+            load_words(&walks.bytes[2]),
+            load_words(&walks.bytes[3]),
+        ];
         let mut met = _mm512_setzero_si512();
         macro_rules! child {
             ($half:literal, $byte:literal, $meta:ident) => {{
                 let [near, far] = sides[$half];
-                let hit = meets::<$byte>(near, far, step, low, high, range, busy);
+                let hit = meets(near, far, bytes[$byte], step, low, high, range, busy);
                 // A number in unary, to be shifted by the lowest five bits (see `CwBvhNode`): a bit for each place, or for
                 // the child itself above those.
                 let meta = byte::<$byte>($meta);

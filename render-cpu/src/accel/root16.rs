@@ -167,7 +167,7 @@ avx512! {
         let mut grid = [[range[0]; 3]; 3];
         for k in 0..3 {
             let offset = _mm512_sub_ps(splat(root.corner[k]), origin[k]);
-            let [step, low, high] = plane_distances(splat(root.unit[k]), offset, inverse[k]);
+            let [step, low, high] = plane_distances::<255>(splat(root.unit[k]), offset, inverse[k]);
             grid[0][k] = step;
             grid[1][k] = low;
             grid[2][k] = high;
@@ -191,10 +191,10 @@ avx512! {
 
     /// Plane q of an axis is met at q step + base, see [`super::node`]: the step and the base, rounded down and up, of a grid with
     /// planes `unit` apart whose corner is `offset` from the ray's origin.
-    pub fn plane_distances(unit: __m512, offset: __m512, inverse: __m512) -> [__m512; 3] {
+    pub fn plane_distances<const PLANES: i32>(unit: __m512, offset: __m512, inverse: __m512) -> [__m512; 3] {
         let step = _mm512_mul_ps(unit, inverse);
         let base = _mm512_mul_ps(offset, inverse);
-        let size = _mm512_fmadd_ps(_mm512_abs_ps(step), splat(255.0), _mm512_abs_ps(base));
+        let size = _mm512_fmadd_ps(_mm512_abs_ps(step), splat(PLANES as f32), _mm512_abs_ps(base));
         let error = _mm512_mul_ps(size, splat(5e-7));
         [step, _mm512_sub_ps(base, error), _mm512_add_ps(base, error)]
     }

@@ -13,7 +13,7 @@ use super::traverse::{CpuTraverse, Nearest};
 use super::triangles16::{self, Hits, ShearedRays};
 use halflight_kernel::math::Ray;
 use halflight_kernel::scene::traverse::REACH;
-use halflight_kernel::scene::{Hit, HitBatch, RayBatch, Tables};
+use halflight_kernel::scene::{Hit, HitBatch, NONE, RayBatch, Tables};
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
@@ -186,7 +186,8 @@ avx512! {
     fn keep(sixteen: &mut Sixteen, owners: __m512i, hits: &Hits, primitives: __m512i) -> u16 {
         let mut kept = 0;
         let mut left = hits.mask;
-        while left != 0 {
+        // Once without asking, because nobody could guess the answer.
+        loop {
             // One hit of every ray in turn: the last.
             let mut turn = Words::all(u32::MAX);
             // SAFETY: lanes of a vector.
@@ -216,8 +217,10 @@ avx512! {
             store_some_words(&mut sixteen.primitive, is_first, primitive);
             store_some_words(&mut sixteen.instance, is_first, word(0));
             kept |= is_first;
+            if left == 0 {
+                return kept;
+            }
         }
-        kept
     }
 
     /// Tests the spheres of a mask among the primitives that wait for `rays`, those of the lanes `owners`; the rays' lanes that
@@ -279,8 +282,9 @@ impl CpuTraverse<'_> {
             };
         }
         let [x0, y0, z0, name] = vertex!(0);
-        let [x1, y1, z1, _] = vertex!(1);
-        let [x2, y2, z2, _] = vertex!(2);
+        let [x1, y1, z1, partner] = vertex!(1);
+        let [x2, y2, z2, turns] = vertex!(2);
+        let [x3, y3, z3, _] = vertex!(3);
         let of = |row: &Floats| _mm512_permutexvar_ps(lanes, load(row));
         let of_three = |rows: &[Floats; 3]| [of(&rows[0]), of(&rows[1]), of(&rows[2])];
         let axis = _mm512_permutexvar_epi32(lanes, load_words(&sixteen.axis));
@@ -298,9 +302,25 @@ impl CpuTraverse<'_> {
             [float(x0), float(y0), float(z0)],
             [float(x1), float(y1), float(z1)],
             [float(x2), float(y2), float(z2)],
+            [float(x3), float(y3), float(z3)],
         ];
-        let found = triangles16::hits(&rays, vertices, mask);
-        let mut met = keep(sixteen, lanes, &found, name);
+        let pairs = _mm512_mask_cmpneq_epi32_mask(mask, partner, word(NONE as i32));
+        let passing = triangles16::pass(&rays, &vertices, mask, pairs);
+        let mut met = 0;
+        let (either, both) = (
+            passing.first | passing.second,
+            passing.first & passing.second,
+        );
+        if either != 0 {
+            let seconds = passing.second & !both;
+            let found = triangles16::hits(&rays, &vertices, &passing, turns, seconds, either);
+            let names = _mm512_mask_mov_epi32(name, seconds, partner);
+            met |= keep(sixteen, lanes, &found, names);
+        }
+        if both != 0 {
+            let found = triangles16::hits(&rays, &vertices, &passing, turns, both, both);
+            met |= keep(sixteen, lanes, &found, partner);
+        }
         if group.is_mixed {
             let triangles = word(self.tables.triangles.len() as i32);
             let others = _mm512_mask_cmpge_epu32_mask(mask, name, triangles);

@@ -1,7 +1,12 @@
-//! Sixteen rays against a triangle each: [`halflight_kernel::scene::intersect::intersect_triangle`] with the same operations
-//! in the same order, so that the hits are the same to the bit.
+//! Sixteen rays against the one or two triangles of a place each ([`super::packed`]):
+//! [`halflight_kernel::scene::intersect::intersect_triangle`] with the same operations in the same order, so that the hits are
+//! the same to the bit.
+//!
+//! The edge functions of both triangles are found from the four vertices, those of the common edge from the same products.
+//! All that follows is for one of them, the one that the ray passes through. Where it passes through both, which lie
+//! at an angle then or meet at the ray, the other follows by itself.
 
-use super::lanes16::{avx512, cross2, dot, minus, permute, splat};
+use super::lanes16::{avx512, cross2, dot, minus, permute, splat, word};
 use std::arch::x86_64::*;
 
 /// What triangles need of rays.
@@ -21,6 +26,19 @@ pub struct ShearedRays {
     pub t_min: __m512,
     /// Where they end.
     pub t_max: __m512,
+}
+
+/// What rays pass through.
+#[derive(Clone, Copy)]
+pub struct Passing {
+    /// Lanes that pass through the first triangle.
+    pub first: u16,
+    /// Lanes that pass through the second one.
+    pub second: u16,
+    /// Their edge functions.
+    edges: [[__m512; 3]; 2],
+    /// The vertices' distances back along the longest axis.
+    depths: [__m512; 4],
 }
 
 /// Hits of some lanes.
@@ -60,13 +78,9 @@ avx512! {
         ]
     }
 
-    /// The hits in (t_min, t_max) among the lanes of `mask`.
-    pub fn hits(
-        rays: &ShearedRays,
-        [p0, p1, p2]: [[__m512; 3]; 3],
-        mask: u16,
-    ) -> Hits {
-        let zero = _mm512_setzero_ps();
+    /// The lanes of `mask`, of which those of `pairs` have two triangles, whose rays pass through the first and through the
+    /// second triangle with these vertices.
+    pub fn pass(rays: &ShearedRays, vertices: &[[__m512; 3]; 4], mask: u16, pairs: u16) -> Passing {
         // Relative to the origin with signs turned, which changes no edge function.
         let vertex = |p: [__m512; 3]| {
             let [x, y, z] = permute(minus(rays.origin, p), rays.is_x, rays.is_y);
@@ -76,29 +90,70 @@ avx512! {
                 z,
             )
         };
-        let (ax, ay, az) = vertex(p0);
-        let (bx, by, bz) = vertex(p1);
-        let (cx, cy, cz) = vertex(p2);
-        let mut u = cross2(cx, cy, bx, by);
-        let mut v = cross2(ax, ay, cx, cy);
-        let mut w = cross2(bx, by, ax, ay);
-        let mut hit = one_sided(u, v, w, mask);
-        let mut hits = Hits { mask: 0, t: zero, b1: zero, b2: zero };
-        if hit == 0 {
-            return hits;
+        let (ax, ay, az) = vertex(vertices[0]);
+        let (bx, by, bz) = vertex(vertices[1]);
+        let (cx, cy, cz) = vertex(vertices[2]);
+        let (dx, dy, dz) = vertex(vertices[3]);
+        let (p, q) = (_mm512_mul_ps(ax, cy), _mm512_mul_ps(ay, cx));
+        let mut first = [cross2(cx, cy, bx, by), _mm512_sub_ps(p, q), cross2(bx, by, ax, ay)];
+        let mut second = [cross2(dx, dy, cx, cy), cross2(ax, ay, dx, dy), _mm512_sub_ps(q, p)];
+        let (mut through_first, zero_first) = one_sided(first, mask);
+        let (mut through_second, zero_second) = one_sided(second, pairs);
+        if zero_first | zero_second != 0 {
+            first[0] = nonzero_edge(first[0], cx, cy, bx, by);
+            first[1] = nonzero_edge(first[1], ax, ay, cx, cy);
+            first[2] = nonzero_edge(first[2], bx, by, ax, ay);
+            second[0] = nonzero_edge(second[0], dx, dy, cx, cy);
+            second[1] = nonzero_edge(second[1], ax, ay, dx, dy);
+            second[2] = nonzero_edge(second[2], cx, cy, ax, ay);
+            through_first |= not_two_sided(first, zero_first);
+            through_second |= not_two_sided(second, zero_second);
         }
-        let zeros = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(hit, u, zero)
-            | _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(hit, v, zero)
-            | _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(hit, w, zero);
-        if zeros != 0 {
-            u = nonzero_edge(u, cx, cy, bx, by);
-            v = nonzero_edge(v, ax, ay, cx, cy);
-            w = nonzero_edge(w, bx, by, ax, ay);
-            hit = one_sided(u, v, w, hit);
+        Passing {
+            first: through_first,
+            second: through_second,
+            edges: [first, second],
+            depths: [az, bz, cz, dz],
         }
+    }
+
+    /// The hits in (t_min, t_max) of the lanes of `mask` with the second triangles where `seconds` is set, the first elsewhere;
+    /// `turns` are those of the third rows of the places.
+    pub fn hits(
+        rays: &ShearedRays,
+        vertices: &[[__m512; 3]; 4],
+        passing: &Passing,
+        turns: __m512i,
+        seconds: u16,
+        mask: u16,
+    ) -> Hits {
+        let choose = |a: __m512, b: __m512| _mm512_mask_mov_ps(a, seconds, b);
+        let choose_point = |a: [__m512; 3], b: [__m512; 3]| {
+            [choose(a[0], b[0]), choose(a[1], b[1]), choose(a[2], b[2])]
+        };
+        let [first, second] = passing.edges;
+        let [mut u, mut v, mut w] = choose_point(first, second);
+        let [a, b, c, d] = *vertices;
+        let (mut p0, mut p1, mut p2) = (a, choose_point(b, c), choose_point(c, d));
+        let turns = _mm512_mask_srli_epi32::<2>(turns, seconds, turns);
+        let once = _mm512_mask_test_epi32_mask(mask, turns, word(1));
+        let twice = _mm512_mask_test_epi32_mask(mask, turns, word(2));
+        if once | twice != 0 {
+            let turn = |a: &mut __m512, b: &mut __m512, c: &mut __m512| {
+                let (x, y, z) = (*a, *b, *c);
+                *a = _mm512_mask_mov_ps(_mm512_mask_mov_ps(x, once, z), twice, y);
+                *b = _mm512_mask_mov_ps(_mm512_mask_mov_ps(y, once, x), twice, z);
+                *c = _mm512_mask_mov_ps(_mm512_mask_mov_ps(z, once, y), twice, x);
+            };
+            turn(&mut u, &mut v, &mut w);
+            turn(&mut p0[0], &mut p1[0], &mut p2[0]);
+            turn(&mut p0[1], &mut p1[1], &mut p2[1]);
+            turn(&mut p0[2], &mut p1[2], &mut p2[2]);
+        }
+        let zero = _mm512_setzero_ps();
         let determinant = _mm512_add_ps(_mm512_add_ps(u, v), w);
         let size = _mm512_abs_ps(determinant);
-        hit = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(hit, size, zero);
+        let mut hit = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(mask, size, zero);
         hit = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(hit, size, splat(f32::MAX));
 
         // Where the plane is met, clamped to the range of the vertices along the ray.
@@ -110,10 +165,11 @@ avx512! {
         ];
         let plane = _mm512_div_ps(dot(n, minus(p0, rays.origin)), dot(n, rays.direction));
         let scale = _mm512_xor_ps(rays.shear[2], splat(-0.0));
+        let [za, zb, zc, zd] = passing.depths;
         let (za, zb, zc) = (
-            _mm512_mul_ps(az, scale),
-            _mm512_mul_ps(bz, scale),
-            _mm512_mul_ps(cz, scale),
+            _mm512_mul_ps(za, scale),
+            _mm512_mul_ps(choose(zb, zc), scale),
+            _mm512_mul_ps(choose(zc, zd), scale),
         );
         // A NaN from 0/0 is replaced by the bounds as well.
         let t = _mm512_min_ps(
@@ -121,20 +177,34 @@ avx512! {
             _mm512_max_ps(_mm512_max_ps(za, zb), zc),
         );
         hit = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(hit, t, rays.t_min);
-        hits.mask = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(hit, t, rays.t_max);
         let scale = _mm512_div_ps(splat(1.0), determinant);
-        hits.t = t;
-        hits.b1 = _mm512_mul_ps(v, scale);
-        hits.b2 = _mm512_mul_ps(w, scale);
-        hits
+        Hits {
+            mask: _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(hit, t, rays.t_max),
+            t,
+            b1: _mm512_mul_ps(v, scale),
+            b2: _mm512_mul_ps(w, scale),
+        }
     }
 
-    /// The lanes where no two edges have opposite signs. A NaN may hide one of them; such triangles are missed either way.
-    fn one_sided(u: __m512, v: __m512, w: __m512, mask: u16) -> u16 {
+    /// The lanes of a mask where all edges have the same sign, and those where one may be zero and no two have opposite signs.
+    fn one_sided([u, v, w]: [__m512; 3], mask: u16) -> (u16, u16) {
+        let least = _mm512_min_ps(u, _mm512_min_ps(v, w));
+        let greatest = _mm512_max_ps(u, _mm512_max_ps(v, w));
+        // Zero also where it is too small for a number. Where it is not a number, the determinant is not finite.
+        let product = _mm512_mul_ps(least, greatest);
+        let zero = _mm512_setzero_ps();
+        (
+            _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(mask, product, zero),
+            _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(mask, product, zero),
+        )
+    }
+
+    /// The lanes of a mask where no two edges have opposite signs.
+    fn not_two_sided([u, v, w]: [__m512; 3], mask: u16) -> u16 {
         let zero = _mm512_setzero_ps();
         let least = _mm512_min_ps(u, _mm512_min_ps(v, w));
         let greatest = _mm512_max_ps(u, _mm512_max_ps(v, w));
-        let below = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(least, zero);
+        let below = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(mask, least, zero);
         mask & !_mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(below, greatest, zero)
     }
 

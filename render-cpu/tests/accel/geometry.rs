@@ -29,13 +29,21 @@ impl Geometry {
         }
     }
 
+    /// Adds a triangle, with vertices of the last triangles where they are the same.
     pub fn triangle(&mut self, points: [Vec3; 3]) {
-        let first = self.positions.len() as u32;
-        self.positions.extend(points.map(|p| p.to_array()));
-        self.triangles.push(Triangle {
-            vertices: [first, first + 1, first + 2],
-            shape: 0,
+        let vertices = points.map(|p| {
+            let recent = self.positions.len().saturating_sub(100);
+            let bits = |p: [f32; 3]| p.map(f32::to_bits);
+            let same = |q: &[f32; 3]| bits(*q) == bits(p.to_array());
+            match self.positions[recent..].iter().position(same) {
+                Some(place) => (recent + place) as u32,
+                None => {
+                    self.positions.push(p.to_array());
+                    self.positions.len() as u32 - 1
+                }
+            }
         });
+        self.triangles.push(Triangle { vertices, shape: 0 });
     }
 
     pub fn quadric(&mut self, kind: u32, to_world: Affine3A) {

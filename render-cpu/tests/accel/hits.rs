@@ -40,14 +40,37 @@ fn map() -> impl Strategy<Value = Affine3A> + Clone {
         })
 }
 
+/// Triangles, of which every other one shares an edge with the one before, in either direction.
+fn triangles() -> impl Strategy<Value = Vec<[Vec3; 3]>> + Clone {
+    let one = (
+        point(3.0),
+        point(1.0),
+        point(1.0),
+        0usize..18,
+        any::<bool>(),
+    );
+    prop::collection::vec(one, 0..40).prop_map(|parts| {
+        let mut triangles: Vec<[Vec3; 3]> = vec![];
+        for (a, b, c, turns, is_neighbour) in parts {
+            triangles.push(match triangles.last() {
+                Some(last) if is_neighbour => {
+                    let mut edge = [last[(turns + 1) % 3], last[turns % 3]];
+                    if turns >= 9 && turns % 2 == 0 {
+                        edge.reverse();
+                    }
+                    let mut next = [edge[0], edge[1], edge[0] + b];
+                    next.rotate_left(turns / 3 % 3);
+                    next
+                }
+                _ => [a, a + b, a + c],
+            });
+        }
+        triangles
+    })
+}
+
 fn group() -> impl Strategy<Value = (Vec<[Vec3; 3]>, Vec<(u32, Affine3A)>)> + Clone {
-    (
-        prop::collection::vec(
-            (point(3.0), point(1.0), point(1.0)).prop_map(|(a, b, c)| [a, a + b, a + c]),
-            0..40,
-        ),
-        prop::collection::vec((0u32..3, map()), 0..6),
-    )
+    (triangles(), prop::collection::vec((0u32..3, map()), 0..6))
 }
 
 /// Rays in all directions, along axes, in short intervals.

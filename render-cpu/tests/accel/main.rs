@@ -5,4 +5,5 @@ mod empty_tables;
 mod geometry;
 mod hits;
 mod lanes;
+mod pairs;
 mod trees;

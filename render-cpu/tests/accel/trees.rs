@@ -60,7 +60,7 @@ fn trees_do_not_depend_on_the_number_of_threads() {
             let found = build::primitive_bounds(&tables, &geometry.groups[0], None);
             build::GroupTree::build(found)
         });
-        (tree.primitives, tree.nodes)
+        (tree.places, tree.nodes)
     };
     let one = order(1);
     assert_eq!(one.0.len(), 120_000);
@@ -92,13 +92,15 @@ fn wide_nodes_are_those_of_obvhs() {
         });
         let found = build::primitive_bounds(&geometry.tables(), &geometry.groups[0], None);
         let binary = build::binary_tree(found, build::MAX_BINARY_DEPTH);
+        /// Of a primitive in obvhs.
+        const COST: f32 = 0.3;
         let expected = bvh2_to_cwbvh(&binary, 3, true, false);
-        let wide = collapse(&binary, build::MAX_BINARY_DEPTH).unwrap();
+        let wide = collapse(&binary, COST, build::MAX_BINARY_DEPTH).unwrap();
         assert!(wide.nodes == expected.nodes, "{count}");
         assert_eq!(wide.primitives, expected.primitive_indices, "{count}");
 
         let deepest = build::binary_depth(&binary);
-        assert!(collapse(&binary, deepest).is_some(), "{count}");
-        assert!(collapse(&binary, deepest - 1).is_none(), "{count}");
+        assert!(collapse(&binary, COST, deepest).is_some(), "{count}");
+        assert!(collapse(&binary, COST, deepest - 1).is_none(), "{count}");
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Group 0 is the world; its tree holds its own triangles and quadrics and, as further primitives, the instances, each of
 //! which leads into the tree of the group that it places. Triangles lie in the order of the tree's leaves
-//! ([`packed`]), and those that a node has for a ray are tested together ([`block`]). Intersections are those of
+//! ([`packed`]), two by two where they share an edge ([`pairs`]), and those that a node has for a ray are tested together
+//! ([`block`]). Intersections are those of
 //! [`halflight_kernel::scene::intersect`], with the same rounding: the CPU and a shader find the same hit, also
 //! where surfaces coincide (see [`halflight_kernel::scene::Traverse::closest_hit`]).
 //!
@@ -13,6 +14,8 @@
 pub mod avx2;
 pub mod block;
 pub mod build;
+#[cfg(target_arch = "x86_64")]
+mod bundle16;
 pub mod collapse;
 pub mod lanes;
 #[cfg(target_arch = "x86_64")]
@@ -20,6 +23,8 @@ mod lanes16;
 #[cfg(target_arch = "x86_64")]
 mod lockstep;
 pub mod node;
+#[cfg(target_arch = "x86_64")]
+mod node16;
 pub mod packed;
 pub mod pairs;
 #[cfg(target_arch = "x86_64")]

@@ -16,8 +16,11 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 /// Places that are not worth a second thread.
 const MIN_SHARE: usize = 1 << 12;
 
-/// Which vertices of a place are those of its triangles, in their order.
-const CORNERS: [[usize; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
+/// Which vertices of a place are those of its triangles, by triangles and their turns; there is no third turn.
+const CORNERS: [[[u8; 3]; 4]; 2] = [
+    [[0, 1, 2], [2, 0, 1], [1, 2, 0], [0, 1, 2]],
+    [[0, 2, 3], [3, 0, 2], [2, 3, 0], [0, 2, 3]],
+];
 
 /// A place in a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -92,13 +95,7 @@ impl Place {
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [&[f32; 4]; 3] {
         let turns = (self.rows[2][3].to_bits() >> (2 * triangle)) as usize & 3;
-        let [a, b, c] = CORNERS[triangle];
-        let corner = match turns {
-            0 => [a, b, c],
-            1 => [c, a, b],
-            _ => [b, c, a],
-        };
-        corner.map(|k| &self.rows[k])
+        CORNERS[triangle][turns].map(|vertex| &self.rows[usize::from(vertex & 3)])
     }
 
     /// The vertices of triangle 0 or 1.

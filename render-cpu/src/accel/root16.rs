@@ -5,7 +5,9 @@
 
 use super::Group;
 use super::lanes16::*;
-use super::lockstep::{CHILDREN, FIRST_CHILD, first_child, first_words, in_order, orders};
+use super::node16::{
+    CHILDREN, FIRST_CHILD, first_child, first_words, in_order, orders, plane_distances,
+};
 use super::triangles16::{longest_axes, shears};
 use halflight_kernel::scene::RayBatch;
 use std::arch::x86_64::*;
@@ -143,7 +145,7 @@ avx512! {
     }
 
     /// The lanes of rays that can be traced ([`halflight_kernel::scene::intersect::is_traceable`]).
-    fn are_traceable(origin: [__m512; 3], direction: [__m512; 3], range: [__m512; 2]) -> u16 {
+    pub fn are_traceable(origin: [__m512; 3], direction: [__m512; 3], range: [__m512; 2]) -> u16 {
         let size = |v: [__m512; 3]| {
             let [x, y, z] = v.map(|x| _mm512_abs_ps(x));
             _mm512_add_ps(_mm512_add_ps(x, y), z)
@@ -189,13 +191,4 @@ avx512! {
         met
     }
 
-    /// Plane q of an axis is met at q step + base, see [`super::node`]: the step and the base, rounded down and up, of a grid with
-    /// planes `unit` apart whose corner is `offset` from the ray's origin.
-    pub fn plane_distances<const PLANES: i32>(unit: __m512, offset: __m512, inverse: __m512) -> [__m512; 3] {
-        let step = _mm512_mul_ps(unit, inverse);
-        let base = _mm512_mul_ps(offset, inverse);
-        let size = _mm512_fmadd_ps(_mm512_abs_ps(step), splat(PLANES as f32), _mm512_abs_ps(base));
-        let error = _mm512_mul_ps(size, splat(5e-7));
-        [step, _mm512_sub_ps(base, error), _mm512_add_ps(base, error)]
-    }
 }

@@ -13,7 +13,7 @@ use super::traverse::{CpuTraverse, Nearest};
 use super::triangles16::{self, Hits, ShearedRays};
 use halflight_kernel::math::Ray;
 use halflight_kernel::scene::traverse::REACH;
-use halflight_kernel::scene::{Hit, HitBatch, NONE, RayBatch, Tables};
+use halflight_kernel::scene::{Hit, HitBatch, RayBatch, Tables};
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
@@ -182,12 +182,51 @@ avx512! {
         _mm512_mask_reduce_or_epi32(mask, _mm512_sllv_epi32(word(1), lanes)) as u16
     }
 
+    /// What triangles need of the rays.
+    pub fn sheared(sixteen: &Sixteen) -> ShearedRays {
+        let three = |rows: &[Floats; 3]| [load(&rows[0]), load(&rows[1]), load(&rows[2])];
+        let axis = load_words(&sixteen.axis);
+        ShearedRays {
+            origin: three(&sixteen.origin),
+            direction: three(&sixteen.direction),
+            shear: three(&sixteen.shear),
+            is_x: _mm512_testn_epi32_mask(axis, axis),
+            is_y: _mm512_cmpeq_epi32_mask(axis, word(1)),
+            t_min: load(&sixteen.t_min),
+            t_max: load(&sixteen.t_max),
+        }
+    }
+
+    /// Keeps hits (t, b1, b2) of the lanes of a mask with primitives of the world where they come first; the lanes where they do.
+    pub fn keep_first(
+        sixteen: &mut Sixteen,
+        mask: u16,
+        [t, b1, b2]: [__m512; 3],
+        primitive: __m512i,
+    ) -> u16 {
+        let (before, other) = (load(&sixteen.t), load_words(&sixteen.primitive));
+        let is_nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(mask, t, before);
+        let is_tie = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(mask, t, before)
+            & _mm512_cmp_ps_mask::<_CMP_LT_OQ>(before, splat(f32::MAX));
+        let instance = load_words(&sixteen.instance);
+        let is_lower = _mm512_cmplt_epu32_mask(primitive, other)
+            | (_mm512_cmpeq_epu32_mask(primitive, other)
+                & _mm512_test_epi32_mask(instance, instance));
+        let is_first = is_nearer | (is_tie & is_lower);
+        store_some(&mut sixteen.t, is_first, t);
+        store_some(&mut sixteen.t_max, is_first, _mm512_mul_ps(t, splat(REACH)));
+        store_some(&mut sixteen.b1, is_first, b1);
+        store_some(&mut sixteen.b2, is_first, b2);
+        store_some_words(&mut sixteen.primitive, is_first, primitive);
+        store_some_words(&mut sixteen.instance, is_first, word(0));
+        is_first
+    }
+
     /// Keeps the hits of some lanes' rays, `owners`, with primitives of the world, where they come first; the rays' lanes.
     fn keep(sixteen: &mut Sixteen, owners: __m512i, hits: &Hits, primitives: __m512i) -> u16 {
         let mut kept = 0;
         let mut left = hits.mask;
-        // Once without asking, because nobody could guess the answer.
-        loop {
+        while left != 0 {
             // One hit of every ray in turn: the last.
             let mut turn = Words::all(u32::MAX);
             // SAFETY: lanes of a vector.
@@ -201,31 +240,17 @@ avx512! {
             let has_hit = _mm512_cmplt_epu32_mask(turn, word(LANES as i32));
             let t = _mm512_permutexvar_ps(turn, hits.t);
             let primitive = _mm512_permutexvar_epi32(turn, primitives);
-            let (before, other) = (load(&sixteen.t), load_words(&sixteen.primitive));
-            let is_nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(has_hit, t, before);
-            let is_tie = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(has_hit, t, before)
-                & _mm512_cmp_ps_mask::<_CMP_LT_OQ>(before, splat(f32::MAX));
-            let instance = load_words(&sixteen.instance);
-            let is_lower = _mm512_cmplt_epu32_mask(primitive, other)
-                | (_mm512_cmpeq_epu32_mask(primitive, other)
-                    & _mm512_test_epi32_mask(instance, instance));
-            let is_first = is_nearer | (is_tie & is_lower);
-            store_some(&mut sixteen.t, is_first, t);
-            store_some(&mut sixteen.t_max, is_first, _mm512_mul_ps(t, splat(REACH)));
-            store_some(&mut sixteen.b1, is_first, _mm512_permutexvar_ps(turn, hits.b1));
-            store_some(&mut sixteen.b2, is_first, _mm512_permutexvar_ps(turn, hits.b2));
-            store_some_words(&mut sixteen.primitive, is_first, primitive);
-            store_some_words(&mut sixteen.instance, is_first, word(0));
+            let b1 = _mm512_permutexvar_ps(turn, hits.b1);
+            let b2 = _mm512_permutexvar_ps(turn, hits.b2);
+            let is_first = keep_first(sixteen, has_hit, [t, b1, b2], primitive);
             kept |= is_first;
-            if left == 0 {
-                return kept;
-            }
         }
+        kept
     }
 
     /// Tests the spheres of a mask among the primitives that wait for `rays`, those of the lanes `owners`; the rays' lanes that
     /// have met one.
-    fn test_spheres(
+    pub fn test_spheres(
         sixteen: &mut Sixteen,
         tables: &Tables<'_>,
         rays: &ShearedRays,
@@ -242,16 +267,34 @@ avx512! {
         keep(sixteen, owners, &found, primitives)
     }
 
-    /// Hands over the hits of the lanes of a mask.
-    pub fn hand_over<const N: usize>(sixteen: &Sixteen, lanes: u16, hits: &mut HitBatch<N>) {
+    /// Hands over the hits of the lanes of a mask, with `ANY` whether there are any.
+    pub fn hand_over<const ANY: bool, const N: usize>(
+        sixteen: &Sixteen,
+        lanes: u16,
+        hits: &mut HitBatch<N>,
+    ) {
         let mut left = lanes;
         while left != 0 {
             let lane = left.trailing_zeros() as usize & (LANES - 1);
             left &= left - 1;
             let id = (sixteen.ids.0[lane] as usize).min(N - 1);
-            hits.set(id, &sixteen.nearest(lane).hit);
+            if ANY {
+                hits.t[id] = sixteen.t.0[lane];
+            } else {
+                hits.set(id, &sixteen.nearest(lane).hit);
+            }
         }
     }
+}
+
+/// Hands over the hits of sixteen rays in a row.
+pub fn hand_over_row<const N: usize>(sixteen: &Sixteen, first: usize, hits: &mut HitBatch<N>) {
+    let row = first..first + LANES;
+    hits.t[row.clone()].copy_from_slice(&sixteen.t.0);
+    hits.b1[row.clone()].copy_from_slice(&sixteen.b1.0);
+    hits.b2[row.clone()].copy_from_slice(&sixteen.b2.0);
+    hits.primitive[row.clone()].copy_from_slice(&sixteen.primitive.0);
+    hits.instance[row].copy_from_slice(&sixteen.instance.0);
 }
 
 impl CpuTraverse<'_> {
@@ -304,23 +347,9 @@ impl CpuTraverse<'_> {
             [float(x2), float(y2), float(z2)],
             [float(x3), float(y3), float(z3)],
         ];
-        let pairs = _mm512_mask_cmpneq_epi32_mask(mask, partner, word(NONE as i32));
-        let passing = triangles16::pass(&rays, &vertices, mask, pairs);
-        let mut met = 0;
-        let (either, both) = (
-            passing.first | passing.second,
-            passing.first & passing.second,
-        );
-        if either != 0 {
-            let seconds = passing.second & !both;
-            let found = triangles16::hits(&rays, &vertices, &passing, turns, seconds, either);
-            let names = _mm512_mask_mov_epi32(name, seconds, partner);
-            met |= keep(sixteen, lanes, &found, names);
-        }
-        if both != 0 {
-            let found = triangles16::hits(&rays, &vertices, &passing, turns, both, both);
-            met |= keep(sixteen, lanes, &found, partner);
-        }
+        let (found, names) =
+            triangles16::nearest::<false>(&rays, &vertices, name, partner, turns, mask);
+        let mut met = keep(sixteen, lanes, &found, names);
         if group.is_mixed {
             let triangles = word(self.tables.triangles.len() as i32);
             let others = _mm512_mask_cmpge_epu32_mask(mask, name, triangles);
@@ -340,7 +369,7 @@ impl CpuTraverse<'_> {
     #[target_feature(
         enable = "avx512f,avx512vl,avx512bw,avx512dq,avx512cd,avx2,fma,popcnt,bmi1,bmi2,lzcnt"
     )]
-    fn test_others(
+    pub(super) fn test_others(
         &self,
         sixteen: &mut Sixteen,
         group: &Group,

@@ -7,6 +7,7 @@
 //! at an angle then or meet at the ray, the other follows by itself.
 
 use super::lanes16::{avx512, cross2, dot, minus, permute, splat, word};
+use halflight_kernel::scene::NONE;
 use std::arch::x86_64::*;
 
 /// What triangles need of rays.
@@ -30,11 +31,11 @@ pub struct ShearedRays {
 
 /// What rays pass through.
 #[derive(Clone, Copy)]
-pub struct Passing {
+struct Passing {
     /// Lanes that pass through the first triangle.
-    pub first: u16,
+    first: u16,
     /// Lanes that pass through the second one.
-    pub second: u16,
+    second: u16,
     /// Their edge functions.
     edges: [[__m512; 3]; 2],
     /// The vertices' distances back along the longest axis.
@@ -52,6 +53,20 @@ pub struct Hits {
     pub b1: __m512,
     /// Barycentric weights of the third vertices.
     pub b2: __m512,
+}
+
+impl Hits {
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn none() -> Hits {
+        let zero = _mm512_setzero_ps();
+        Hits {
+            mask: 0,
+            t: zero,
+            b1: zero,
+            b2: zero,
+        }
+    }
 }
 
 avx512! {
@@ -78,9 +93,46 @@ avx512! {
         ]
     }
 
+    /// The hits in (t_min, t_max) of the lanes of `mask` with the nearer of the triangles with these vertices, of two at the
+    /// same distance the one with the lower primitive; and the primitives. `partners` are those of the second triangles or
+    /// [`NONE`], `turns` what the third rows of the places hold. `SAME` says that the lanes have the same place, and makes a
+    /// function for each of the two callers, which a compiler puts in their places.
+    pub fn nearest<const SAME: bool>(
+        rays: &ShearedRays,
+        vertices: &[[__m512; 3]; 4],
+        primitives: __m512i,
+        partners: __m512i,
+        turns: __m512i,
+        mask: u16,
+    ) -> (Hits, __m512i) {
+        let pairs = _mm512_mask_cmpneq_epi32_mask(mask, partners, word(NONE as i32));
+        let passing = pass(rays, vertices, mask, pairs);
+        let either = passing.first | passing.second;
+        let both = passing.first & passing.second;
+        if either == 0 {
+            return (Hits::none(), primitives);
+        }
+        let seconds = passing.second & !both;
+        let mut found = hits(rays, vertices, &passing, turns, seconds, either);
+        let mut names = _mm512_mask_mov_epi32(primitives, seconds, partners);
+        if both != 0 {
+            let other = hits(rays, vertices, &passing, turns, both, both);
+            let is_nearer = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(other.t, found.t)
+                | (_mm512_cmp_ps_mask::<_CMP_EQ_OQ>(other.t, found.t)
+                    & _mm512_cmplt_epu32_mask(partners, names));
+            let is_first = other.mask & (is_nearer | !found.mask);
+            found.mask |= other.mask;
+            found.t = _mm512_mask_mov_ps(found.t, is_first, other.t);
+            found.b1 = _mm512_mask_mov_ps(found.b1, is_first, other.b1);
+            found.b2 = _mm512_mask_mov_ps(found.b2, is_first, other.b2);
+            names = _mm512_mask_mov_epi32(names, is_first, partners);
+        }
+        (found, names)
+    }
+
     /// The lanes of `mask`, of which those of `pairs` have two triangles, whose rays pass through the first and through the
     /// second triangle with these vertices.
-    pub fn pass(rays: &ShearedRays, vertices: &[[__m512; 3]; 4], mask: u16, pairs: u16) -> Passing {
+    fn pass(rays: &ShearedRays, vertices: &[[__m512; 3]; 4], mask: u16, pairs: u16) -> Passing {
         // Relative to the origin with signs turned, which changes no edge function.
         let vertex = |p: [__m512; 3]| {
             let [x, y, z] = permute(minus(rays.origin, p), rays.is_x, rays.is_y);
@@ -119,7 +171,7 @@ avx512! {
 
     /// The hits in (t_min, t_max) of the lanes of `mask` with the second triangles where `seconds` is set, the first elsewhere;
     /// `turns` are those of the third rows of the places.
-    pub fn hits(
+    fn hits(
         rays: &ShearedRays,
         vertices: &[[__m512; 3]; 4],
         passing: &Passing,

@@ -161,7 +161,31 @@ impl Geometry {
         }
         check_batches::<64>(&wide, rays);
         check_batches::<200>(&wide, rays);
+        check_batches::<208>(&wide, &bundles(rays));
     }
+}
+
+/// Sixteen rays close to each of some rays, in front of rays that go elsewhere.
+fn bundles(rays: &[Ray]) -> Vec<Ray> {
+    let mut random = Random(7);
+    let mut bundles = vec![];
+    for (i, ray) in rays.iter().enumerate() {
+        if i % 8 != 0 {
+            bundles.push(*ray);
+            continue;
+        }
+        // Whole vectors, as bundles begin in their places.
+        bundles.resize(bundles.len().next_multiple_of(16), *ray);
+        let (spread, width) = ([0.0, 1e-3, 0.004][i / 8 % 3], [0.0, 1e-3][i / 8 % 2]);
+        for _ in 0..16 {
+            let mut other = *ray;
+            // Zeros stay, as do signs.
+            other.direction *= Vec3::ONE + random.point() * spread;
+            other.origin += random.point() * width;
+            bundles.push(other);
+        }
+    }
+    bundles
 }
 
 /// Rays side by side meet what each meets alone; the last batch is not full. What a batch held before must not matter, so that

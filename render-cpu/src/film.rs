@@ -364,6 +364,16 @@ impl PixelMut<'_> {
         self.statistics.add(radiance);
     }
 
+    /// Adds radiance samples, one after the other.
+    pub fn add_samples(&mut self, radiance: &[Vec3]) {
+        // A copy, so that sums of one sample need not be stored for the next.
+        let mut statistics = *self.statistics;
+        for &sample in radiance {
+            statistics.add(sample);
+        }
+        *self.statistics = statistics;
+    }
+
     /// Adds the surface features of one sample; call it once per [`Self::add_sample`] if
     /// [`AovSet::needs_surface`]. Features that are not finite count as zero.
     pub fn add_aovs(&mut self, sample: &AovSample) {

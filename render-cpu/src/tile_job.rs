@@ -6,7 +6,6 @@
 use crate::aov::AovSample;
 use crate::film::FilmTile;
 use crate::render::RenderOptions;
-use halflight_kernel::math::Rgb;
 use halflight_kernel::math::vectors::Vectors;
 use halflight_kernel::sampler::{LaneSampler, Sampler};
 use halflight_kernel::scene::SceneView;
@@ -33,19 +32,20 @@ pub struct TileJob<'a, T: Traverse> {
     pub vectors: Vectors,
 }
 
-/// A sample that is under way.
+/// Samples of a pixel that are under way.
 #[derive(Clone, Copy)]
-struct Pending<S> {
+struct Run {
     x: u32,
     y: u32,
-    /// Its numbers from the first on.
-    sampler: S,
+    count: u32,
 }
 
 /// What a thread needs for its tiles.
 pub struct Workspace<S> {
     wave: Box<Wave<S, SLOTS>>,
-    pending: Vec<Pending<S>>,
+    runs: Vec<Run>,
+    /// The numbers of those samples from the first on, where surfaces are wanted.
+    samplers: Vec<S>,
 }
 
 impl<S: LaneSampler> Workspace<S> {
@@ -53,7 +53,8 @@ impl<S: LaneSampler> Workspace<S> {
     pub fn new() -> Workspace<S> {
         Workspace {
             wave: bytemuck::zeroed_box(),
-            pending: Vec::with_capacity(SLOTS),
+            runs: Vec::with_capacity(SLOTS),
+            samplers: Vec::with_capacity(SLOTS),
         }
     }
 }
@@ -77,17 +78,29 @@ impl<T: Traverse> TileJob<'_, T> {
                     .options
                     .first_sample
                     .wrapping_add(tile.pixel_mut(x, y).statistics.count);
-                for i in 0..count(x, y) {
-                    let sampler = new(self.options.seed, index, first.wrapping_add(i));
-                    if self.settings.kind != integrator_kind::PATH {
-                        let mut numbers = sampler;
+                let new = |i: u32| new(self.options.seed, index, first.wrapping_add(i));
+                let count = count(x, y);
+                if self.settings.kind != integrator_kind::PATH {
+                    for i in 0..count {
+                        let mut numbers = new(i);
                         let radiance =
                             transport::sample_pixel(self.view, self.settings, &mut numbers, pixel);
-                        self.add(tile, [x, y], radiance, sampler);
-                        continue;
+                        tile.pixel_mut(x, y).add_sample(radiance);
+                        if self.needs_surface {
+                            self.add_surface(tile, [x, y], new(i));
+                        }
                     }
-                    workspace.wave.push(pixel, sampler);
-                    workspace.pending.push(Pending { x, y, sampler });
+                    continue;
+                }
+                let mut done = 0;
+                while done < count {
+                    let left = count - done;
+                    let taken = workspace.wave.push_samples(pixel, left, |i| new(done + i));
+                    workspace.runs.push(Run { x, y, count: taken });
+                    if self.needs_surface {
+                        workspace.samplers.extend((done..done + taken).map(new));
+                    }
+                    done += taken;
                     if workspace.wave.is_full() {
                         self.finish(tile, workspace);
                     }
@@ -105,32 +118,27 @@ impl<T: Traverse> TileJob<'_, T> {
 
     /// Traces the wave and adds its samples.
     fn finish<S: LaneSampler>(&self, tile: &mut FilmTile<'_>, workspace: &mut Workspace<S>) {
-        let radiance = workspace.wave.run(self.vectors, self.view, self.settings);
-        for (sample, &radiance) in workspace.pending.drain(..).zip(radiance) {
-            self.add(tile, [sample.x, sample.y], radiance, sample.sampler);
+        let mut radiance = workspace.wave.run(self.vectors, self.view, self.settings);
+        let mut samplers = workspace.samplers.drain(..);
+        for run in workspace.runs.drain(..) {
+            let (of_run, rest) = radiance.split_at(run.count as usize);
+            radiance = rest;
+            tile.pixel_mut(run.x, run.y).add_samples(of_run);
+            for sampler in samplers.by_ref().take(of_run.len()) {
+                self.add_surface(tile, [run.x, run.y], sampler);
+            }
         }
     }
 
-    /// Adds a sample to its pixel, with the surface that its first ray meets where that is wanted.
-    #[inline]
-    fn add<S: Sampler>(
-        &self,
-        tile: &mut FilmTile<'_>,
-        [x, y]: [u32; 2],
-        radiance: Rgb,
-        mut sampler: S,
-    ) {
-        let mut film_pixel = tile.pixel_mut(x, y);
-        film_pixel.add_sample(radiance);
-        if self.needs_surface {
-            let (features, _) = aov::sample_pixel(self.view, &mut sampler, self.pixel(x, y));
-            film_pixel.add_aovs(&AovSample {
-                albedo: features.albedo.to_array(),
-                normal: features.normal.to_array(),
-                depth: features.depth,
-                position: features.position.to_array(),
-                uv: features.uv.to_array(),
-            });
-        }
+    /// Adds the surface that the first ray of a sample meets to its pixel.
+    fn add_surface<S: Sampler>(&self, tile: &mut FilmTile<'_>, [x, y]: [u32; 2], mut sampler: S) {
+        let (features, _) = aov::sample_pixel(self.view, &mut sampler, self.pixel(x, y));
+        tile.pixel_mut(x, y).add_aovs(&AovSample {
+            albedo: features.albedo.to_array(),
+            normal: features.normal.to_array(),
+            depth: features.depth,
+            position: features.position.to_array(),
+            uv: features.uv.to_array(),
+        });
     }
 }

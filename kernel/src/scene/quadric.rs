@@ -69,34 +69,51 @@ pub fn quadric_point_with<const DETAIL: u32>(
     p: Vec3,
 ) -> SurfacePoint {
     let kind = field(tables.quadrics, quadric, |q| q.kind);
-    let rho = sqrt(p.x * p.x + p.y * p.y);
-    let (cos_phi, sin_phi) = if rho > 0.0 {
-        (p.x / rho, p.y / rho)
-    } else {
-        (1.0, 0.0)
-    };
+    if kind == quadric_kind::SPHERE {
+        return sphere_point_with::<DETAIL>(tables, quadric, p);
+    }
+    let (rho, cos_phi, sin_phi) = polar(p);
     let azimuth = azimuth(cos_phi, sin_phi);
-    let canonical = if kind == quadric_kind::SPHERE {
-        let length = sqrt(rho * rho + p.z * p.z);
-        let (sin_theta, cos_theta) = if length > 0.0 {
-            (rho / length, p.z / length)
-        } else {
-            (0.0, 1.0)
-        };
-        let polar = atan2(sin_theta, cos_theta) * FRAC_1_PI;
-        sphere(
-            cos_phi,
-            sin_phi,
-            sin_theta,
-            cos_theta,
-            Vec2::new(azimuth, polar),
-        )
-    } else if kind == quadric_kind::DISK {
+    let canonical = if kind == quadric_kind::DISK {
         disk(cos_phi, sin_phi, Vec2::new(rho.min(1.0), azimuth))
     } else {
         cylinder(cos_phi, sin_phi, Vec2::new(azimuth, p.z.max(0.0).min(1.0)))
     };
     to_group::<DETAIL>(tables, quadric, canonical)
+}
+
+/// [`quadric_point_with`] of a quadric that is a sphere.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn sphere_point_with<const DETAIL: u32>(
+    tables: &Tables<'_>,
+    quadric: u32,
+    p: Vec3,
+) -> SurfacePoint {
+    let (rho, cos_phi, sin_phi) = polar(p);
+    let length = sqrt(rho * rho + p.z * p.z);
+    let (sin_theta, cos_theta) = if length > 0.0 {
+        (rho / length, p.z / length)
+    } else {
+        (0.0, 1.0)
+    };
+    let uv = Vec2::new(
+        azimuth(cos_phi, sin_phi),
+        atan2(sin_theta, cos_theta) * FRAC_1_PI,
+    );
+    let canonical = sphere(cos_phi, sin_phi, sin_theta, cos_theta, uv);
+    to_group::<DETAIL>(tables, quadric, canonical)
+}
+
+/// Distance from the z axis, cosine and sine of the azimuth.
+#[inline]
+fn polar(p: Vec3) -> (f32, f32, f32) {
+    let rho = sqrt(p.x * p.x + p.y * p.y);
+    if rho > 0.0 {
+        (rho, p.x / rho, p.y / rho)
+    } else {
+        (rho, 1.0, 0.0)
+    }
 }
 
 /// The azimuth over 2 pi, in [0, 1].
@@ -205,7 +222,7 @@ fn to_group<const DETAIL: u32>(tables: &Tables<'_>, quadric: u32, c: Canonical) 
         dn_du,
         dn_dv,
         shape,
-        primitive: tables.triangles.len() as u32 + quadric,
+        primitive: (tables.triangles.len() as u32).wrapping_add(quadric),
         instance: 0,
         material: field(tables.shapes, shape, |s| s.material),
         emitter: field(tables.shapes, shape, |s| s.emitter),

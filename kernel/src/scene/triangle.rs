@@ -99,6 +99,16 @@ pub(super) fn corners(tables: &Tables<'_>, primitive: u32) -> Corners {
         ],
         ..Corners::ZERO
     };
+    // Lanes without normals or uvs are compiled without them.
+    #[cfg(not(target_arch = "spirv"))]
+    {
+        if tables.normals.is_empty() {
+            corners.normal_offset = NONE;
+        }
+        if tables.uvs.is_empty() {
+            corners.uv_offset = NONE;
+        }
+    }
     let (uv_offset, normal_offset) = (corners.uv_offset, corners.normal_offset);
     if uv_offset != NONE {
         corners.uvs = [

@@ -2,6 +2,8 @@
 
 use super::records::*;
 use super::traverse::Traverse;
+#[cfg(not(target_arch = "spirv"))]
+use crate::math::table::most_elements;
 
 /// The tables of a scene, borrowed.
 #[derive(Clone, Copy)]
@@ -43,6 +45,29 @@ pub struct Tables<'a> {
     /// What there is, see [`super::features`]: a constant of the shader.
     #[cfg(target_arch = "spirv")]
     pub features: u32,
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl Tables<'_> {
+    /// A table with more elements than are looked at ([`most_elements`]), and how many that is.
+    pub fn oversized(&self) -> Option<(&'static str, usize)> {
+        fn check<T>(name: &'static str, table: &[T]) -> Option<(&'static str, usize)> {
+            let most = most_elements::<T>();
+            (table.len() > most).then_some((name, most))
+        }
+        check("vertices", self.positions)
+            .or_else(|| check("normals", self.normals))
+            .or_else(|| check("texture coordinates", self.uvs))
+            .or_else(|| check("triangles", self.triangles))
+            .or_else(|| check("spheres, disks and cylinders", self.quadrics))
+            .or_else(|| check("shapes", self.shapes))
+            .or_else(|| check("materials", self.materials))
+            .or_else(|| check("scattering models", self.lobes))
+            .or_else(|| check("textures", self.textures))
+            .or_else(|| check("words of texels", self.texels))
+            .or_else(|| check("numbers in tables", self.data))
+            .or_else(|| check("emitters", self.emitters))
+    }
 }
 
 /// Tables and a ray tracer over them.

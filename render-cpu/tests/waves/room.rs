@@ -12,7 +12,7 @@ pub struct Room {
     pub sensor: [String; 3],
     /// Of the floor and the wall.
     pub walls: String,
-    /// Of a cube and of a ball with shading normals.
+    /// Of a cube, of a ball with shading normals and of an ellipsoid.
     pub material: String,
     pub emitters: String,
     /// More shapes, and definitions.
@@ -78,6 +78,8 @@ impl Room {
                 <translate x="-0.9" y="-0.1"/></transform>{material}</shape>
             <shape type="obj"><string name="filename" value="ball.obj"/><transform name="to_world">
                 <scale value="0.8"/><translate x="0.9" y="-0.2" z="0.3"/></transform>{material}</shape>
+            <shape type="sphere"><transform name="to_world"><scale x="0.3" y="0.4" z="0.25"/>
+                <rotate x="1" y="2" z="-1" angle="40"/><translate x="0.1" y="-0.5" z="1.1"/></transform>{material}</shape>
             {}{}</scene>"#,
             self.integrator, self.shapes, self.emitters
         )

@@ -17,7 +17,7 @@ use super::DirectSample;
 use crate::math::affine::{determinant, transform_normal, transform_point, transform_vector};
 use crate::math::distribution::{cdf_pmf, sample_cdf};
 use crate::math::{Frame, Rgb, field, float, vec3, warp};
-use crate::scene::quadric::quadric_point_with;
+use crate::scene::quadric::{quadric_point_with, sphere_point_with};
 use crate::scene::surface::detail;
 use crate::scene::texture::eval_rgb;
 use crate::scene::triangle::{area, corners, triangle_point_of};
@@ -145,7 +145,7 @@ pub(crate) fn on_sphere(
         field(tables.quadrics, index, |q| q.to_object),
     );
     let cone = sample_cone(&to_world, &to_object, reference, u);
-    let point = quadric_point_with::<{ detail::NORMALS }>(tables, index, cone.point);
+    let point = sphere_point_with::<{ detail::NORMALS }>(tables, index, cone.point);
     let sample = DirectSample {
         direction: cone.direction,
         distance: cone.distance,

@@ -23,6 +23,8 @@ pub mod material_flag {
     pub const PLAIN: u32 = 2;
     /// Some parameter of some lobe has a texture.
     pub const TEXTURED: u32 = 4;
+    /// First of the eight bits that hold the form of the lobe of a plain material ([`lobe_form`](super::super::lobe_form)).
+    pub const FORM_SHIFT: u32 = 8;
 }
 
 /// Scattering models.
@@ -132,6 +134,9 @@ pub struct LobeRecord {
 }
 
 #[cfg(not(target_arch = "spirv"))]
+use super::lobe_form;
+
+#[cfg(not(target_arch = "spirv"))]
 impl LobeRecord {
     /// Whether nothing lies between the surface and the model, which does not absorb and is not that of
     /// [`lobe_kind::NULL`].
@@ -167,7 +172,8 @@ impl Material {
             flags |= material_flag::HAS_NULL;
         }
         if lobes.len() == 1 && lobes[0].is_bare() {
-            flags |= material_flag::PLAIN;
+            let form = lobe_form::of(lobes[0].kind, lobes[0].distribution);
+            flags |= material_flag::PLAIN | form << material_flag::FORM_SHIFT;
         }
         if lobes.iter().any(LobeRecord::is_textured) {
             flags |= material_flag::TEXTURED;

@@ -7,6 +7,8 @@
 mod camera;
 mod emitter;
 mod geometry;
+#[cfg(not(target_arch = "spirv"))]
+pub mod lobe_form;
 mod material;
 mod parameter;
 mod texture;

@@ -1,25 +1,30 @@
 //! Which paths of a wave take the same way through the code.
 
 use super::super::IntegratorSettings;
-use super::form;
 use super::paths::PathLanes;
 use super::segment::Segment;
+use crate::math::field;
 use crate::math::lanes::{VECTOR, whole};
 use crate::math::vectors::{Vectors, over_lanes};
-use crate::math::{element, field};
-use crate::scene::{HitBatch, NONE, Tables, material_flag};
+use crate::scene::lobe_form as form;
+use crate::scene::{HitBatch, NONE, Tables, material_flag, quadric_kind};
 use bytemuck::Zeroable;
 
 /// Paths whose ray meets nothing.
 pub(super) const ESCAPING: u32 = 0;
 /// Paths of which each takes the way of a single one.
 pub(super) const GENERAL: u32 = 1;
-/// The first class of paths that scatter at a triangle of the world with a plain material; see [`plain`].
+/// The first class of paths that scatter at a triangle or a sphere of the world with a plain material; see [`plain`].
 const PLAIN: u32 = 2;
 /// Number of classes.
 pub(super) const CLASSES: usize = (PLAIN + 2 * form::COUNT) as usize;
 /// Paths that end without anything to gather.
 const ENDING: u32 = CLASSES as u32;
+
+/// Added to the class of paths at spheres, which come behind the others.
+const AT_SPHERE: u32 = 32;
+
+const _: () = assert!(ENDING < AT_SPHERE);
 
 /// The class of plain materials of a form.
 pub(super) const fn plain(form: u32, is_textured: bool) -> u32 {
@@ -34,6 +39,8 @@ pub(super) struct Classes<const N: usize> {
     /// The path in each slot.
     pub list: [u32; N],
     pub segments: [Segment; CLASSES],
+    /// The part of each segment whose paths are at spheres.
+    pub spheres: [Segment; CLASSES],
 }
 
 impl<const N: usize> Classes<N> {
@@ -57,6 +64,11 @@ impl<const N: usize> Classes<N> {
         hits: &HitBatch<N>,
         count: usize,
     ) {
+        let classify = match tables.quadrics {
+            [] => classify::<false, N>,
+            _ => classify::<true, N>,
+        };
+        let mut present = [0; 2];
         classify(
             vectors,
             tables,
@@ -65,56 +77,83 @@ impl<const N: usize> Classes<N> {
             hits,
             count,
             &mut self.class,
+            &mut present,
         );
-        let mut counts = [0u32; CLASSES + 1];
-        for i in 0..count.min(N) {
-            counts[(self.class[i] as usize).min(CLASSES)] += 1;
-        }
-        let mut next = [0u32; CLASSES + 1];
+        let of = &self.class[..count.min(N)];
+        self.segments = [Segment::NONE; CLASSES];
+        self.spheres = [Segment::NONE; CLASSES];
         let mut first = 0;
-        for class in 0..CLASSES {
-            next[class] = first as u32;
-            let count = counts[class] as usize;
-            self.segments[class] = Segment { first, count };
-            first += count.next_multiple_of(VECTOR);
-        }
-        for i in 0..count.min(N) {
-            let class = (self.class[i] as usize).min(CLASSES);
-            let slot = next[class] as usize;
-            if class < CLASSES && slot < N {
-                self.list[slot] = i as u32;
-                next[class] += 1;
+        for class in 0..CLASSES as u32 {
+            let mut next = first;
+            let is_present = present.map(|classes| classes & (1 << class) != 0);
+            if is_present[0] {
+                next = collect(of, class, &mut self.list, next);
             }
+            if is_present[1] {
+                let behind = collect(of, class + AT_SPHERE, &mut self.list, next);
+                self.spheres[class as usize] = Segment::between(next, behind);
+                next = behind;
+            }
+            self.segments[class as usize] = Segment::between(first, next);
+            first = next.next_multiple_of(VECTOR);
         }
     }
 }
 
+/// Lists the indices of what is of a class, from place `next` of the list on; returns the place behind them.
+fn collect<const N: usize>(
+    classes: &[u32],
+    class: u32,
+    list: &mut [u32; N],
+    mut next: usize,
+) -> usize {
+    // Without a branch on what comes when: the place behind the last is written again and again.
+    for (i, &of) in classes.iter().enumerate() {
+        if next < N {
+            list[next] = i as u32;
+        }
+        next += usize::from(of == class);
+    }
+    next.min(N)
+}
+
 over_lanes! {
-    /// The class of each path.
-    fn classify<; const N: usize>(
+    /// The class of each path, and which there are, as bits, first without [`AT_SPHERE`]; with `QUADRICS` if the scene has any.
+    fn classify<; const QUADRICS: bool, const N: usize>(
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
         paths: &PathLanes<N>,
         hits: &HitBatch<N>,
         count: usize,
         classes: &mut [u32; N],
+        present: &mut [u32; 2],
     ) {
+        let (mut found, mut found_spheres) = (0, 0);
         let triangle_count = tables.triangles.len() as u32;
         let is_strict = settings.strict_normals != 0;
         let hides = settings.hide_emitters != 0;
         for i in 0..whole::<N>(count) {
-            let triangle = element(tables.triangles, hits.primitive[i]);
-            let shape = element(tables.shapes, triangle.shape);
-            let material = element(tables.materials, shape.material);
-            let lobe = material.first_lobe;
-            let kind = field(tables.lobes, lobe, |l| l.kind);
-            let form = form::of(kind, field(tables.lobes, lobe, |l| l.distribution));
-            let is_textured = (material.flags & material_flag::TEXTURED != 0) as u32;
+            let primitive = hits.primitive[i];
+            let mut shape = field(tables.triangles, primitive, |t| t.shape);
+            let mut is_sphere = false;
+            if QUADRICS {
+                let quadric = primitive.wrapping_sub(triangle_count);
+                is_sphere = (primitive >= triangle_count)
+                    & (quadric < tables.quadrics.len() as u32)
+                    & (field(tables.quadrics, quadric, |q| q.kind) == quadric_kind::SPHERE);
+                let of_sphere = field(tables.quadrics, quadric, |q| q.shape);
+                shape = if is_sphere { of_sphere } else { shape };
+            }
+            let material = field(tables.shapes, shape, |s| s.material);
+            let flags = field(tables.materials, material, |m| m.flags);
+            let form = (flags >> material_flag::FORM_SHIFT) & 0xff;
+            let is_textured = (flags & material_flag::TEXTURED != 0) as u32;
             let goes_on = paths.depth[i].wrapping_add(1) < settings.max_depth;
-            let is_lit = shape.emitter != NONE;
-            let is_here = (hits.primitive[i] < triangle_count) & (hits.instance[i] == 0);
+            let is_lit = field(tables.shapes, shape, |s| s.emitter) != NONE;
+            let is_here =
+                ((primitive < triangle_count) | is_sphere) & (hits.instance[i] == 0);
             let is_plain = is_here
-                & (material.flags & material_flag::PLAIN != 0)
+                & (flags & material_flag::PLAIN != 0)
                 & (form < form::COUNT)
                 & !is_strict
                 & !(is_lit & (hides | !goes_on));
@@ -125,7 +164,12 @@ over_lanes! {
             };
             let ends = is_here & !goes_on & !is_lit;
             let class = if ends { ENDING } else { class };
-            classes[i] = if hits.t[i] < f32::MAX { class } else { ESCAPING };
+            let class = if hits.t[i] < f32::MAX { class } else { ESCAPING };
+            let is_apart = is_sphere & (class >= PLAIN);
+            classes[i] = if is_apart { class + AT_SPHERE } else { class };
+            found |= if is_apart { 0 } else { 1 << class };
+            found_spheres |= if is_apart { 1 << class } else { 0 };
         }
+        *present = [found, found_spheres];
     }
 }

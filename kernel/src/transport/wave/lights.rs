@@ -109,7 +109,11 @@ impl<const N: usize> LightLanes<N> {
                 searches,
             );
             search(vectors, tables.data, segment, searches);
-            finish_meshes(vectors, tables, points, numbers, segment, searches, self);
+            let finish = match tables.normals {
+                [] => finish_meshes::<false, N>,
+                _ => finish_meshes::<true, N>,
+            };
+            finish(vectors, tables, points, numbers, segment, searches, self);
         }
         if forms & form::SPHERE != 0 {
             spheres(vectors, tables, points, numbers, segment, self);
@@ -227,8 +231,8 @@ over_lanes! {
         }
     }
 
-    /// Points of the triangles that were found.
-    fn finish_meshes<; const N: usize>(
+    /// Points of the triangles that were found; without `NORMALS` if no mesh has them.
+    fn finish_meshes<; const NORMALS: bool, const N: usize>(
         tables: &Tables<'_>,
         points: &PointLanes<N>,
         numbers: &[[f32; N]; 6],
@@ -236,6 +240,11 @@ over_lanes! {
         searches: &SearchLanes<N>,
         lights: &mut LightLanes<N>,
     ) {
+        let tables = &Tables {
+            normals: if NORMALS { tables.normals } else { &[] },
+            uvs: &[],
+            ..*tables
+        };
         for k in segment.slots::<N>() {
             let i = lights.emitter[k];
             let shape = field(tables.emitters, i, |e| e.shape);

@@ -1,9 +1,8 @@
 //! The lobes of plain materials at many points, side by side.
 //!
-//! A plain material ([`material_flag::PLAIN`]) is one lobe without coats, perturbed frame, mixing factors and absorption. Here its
+//! A plain material ([`PLAIN`](crate::scene::material_flag::PLAIN)) is one lobe without coats, perturbed frame, mixing factors and absorption. Here its
 //! form is a constant, so that a loop over lanes holds the code of one scattering model.
 
-use super::form;
 use super::points::PointLanes;
 use super::segment::Segment;
 use super::textures::TextureLanes;
@@ -14,6 +13,7 @@ use crate::bsdf::rough_transmittance::internal_reflectance;
 use crate::math::lanes::Vec3Lanes;
 use crate::math::vectors::{Vectors, over_lanes};
 use crate::math::{field as element_field, luminance};
+use crate::scene::lobe_form as form;
 use crate::scene::{LobeRecord, NONE, Tables, lobe_kind};
 use bytemuck::Zeroable;
 use glam::Vec2;
@@ -222,8 +222,8 @@ over_lanes! {
         lobes: &mut LobeLanes<N>,
     ) {
         for k in segment.slots::<N>() {
-            let lobe = match tables.materials.get(points.material[k] as usize) {
-                Some(material) => match tables.lobes.get(material.first_lobe as usize) {
+            let lobe = match crate::math::within(tables.materials, points.material[k]) {
+                Some(material) => match crate::math::within(tables.lobes, material.first_lobe) {
                     Some(record) => plain_lobe(record, form::kind(FORM)),
                     None => Lobe::NONE,
                 },

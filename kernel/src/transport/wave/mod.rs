@@ -12,7 +12,6 @@ mod arrivals;
 mod begin;
 mod classes;
 mod environment;
-mod form;
 mod lights;
 mod lobes;
 mod normals;
@@ -32,7 +31,7 @@ use crate::math::Rgb;
 use crate::math::lanes::Vec3Lanes;
 use crate::math::vectors::Vectors;
 use crate::sampler::LaneSampler;
-use crate::scene::{HitBatch, NONE, SceneView, Tables, Traverse, scene_flag};
+use crate::scene::{HitBatch, NONE, SceneView, Tables, Traverse, lobe_form, scene_flag};
 use arrivals::ArrivalLanes;
 use begin::FilmLanes;
 use bytemuck::Zeroable;
@@ -93,13 +92,23 @@ impl<S: LaneSampler, const N: usize> Wave<S, N> {
     /// Adds a sample of the pixel at absolute film coordinates, if there is room; the sampler's numbers are those of
     /// [`super::sample_pixel`].
     pub fn push(&mut self, pixel: [u32; 2], sampler: S) {
-        let place = self.count as usize;
-        if place < Self::CAPACITY {
-            self.film.pixel[0][place] = pixel[0];
-            self.film.pixel[1][place] = pixel[1];
-            self.paths.set_sampler(place, sampler);
-            self.count += 1;
+        self.push_samples(pixel, 1, |_| sampler);
+    }
+
+    /// Adds samples 0, 1, ... of a pixel with the samplers of their numbers, as many of `count` as there is room for; how many
+    /// that are.
+    #[inline]
+    pub fn push_samples(&mut self, pixel: [u32; 2], count: u32, sampler: impl Fn(u32) -> S) -> u32 {
+        let first = (self.count as usize).min(Self::CAPACITY);
+        let count = count.min((Self::CAPACITY - first) as u32);
+        for i in 0..count {
+            self.paths.set_sampler(first + i as usize, sampler(i));
         }
+        let places = first..first + count as usize;
+        self.film.pixel[0][places.clone()].fill(pixel[0]);
+        self.film.pixel[1][places].fill(pixel[1]);
+        self.count += count;
+        count
     }
 
     /// Traces the paths to their ends. Returns [`super::sample_pixel`] of each, in the order in which they were added, and
@@ -149,7 +158,7 @@ impl<S: LaneSampler, const N: usize> Wave<S, N> {
         self.general(tables, settings);
         macro_rules! plain {
             ($($form:ident)*) => {$(
-                self.plain::<{ form::$form }>(vectors, tables, settings);
+                self.plain::<{ lobe_form::$form }>(vectors, tables, settings);
             )*};
         }
         plain!(DIFFUSE ROUGH_DIFFUSE CONDUCTOR DIELECTRIC THIN_DIELECTRIC PLASTIC);

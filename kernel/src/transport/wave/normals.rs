@@ -1,6 +1,5 @@
 //! Normals of microfacets, side by side, in the frames of the lobes' models.
 
-use super::form;
 use super::lobes::LobeLanes;
 use super::points::PointLanes;
 use super::segment::Segment;
@@ -10,6 +9,7 @@ use crate::bsdf::microfacet::beckmann::VisibleSlope;
 use crate::bsdf::rough_dielectric::above;
 use crate::math::lanes::Vec3Lanes;
 use crate::math::vectors::{Vectors, over_lanes};
+use crate::scene::lobe_form as form;
 use crate::scene::{distribution, lobe_flag, lobe_kind};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};

@@ -2,7 +2,6 @@
 
 use super::classes::plain;
 use super::environment::Scratch;
-use super::form;
 use super::lights::LightLanes;
 use super::lobes::{self, LobeLanes};
 use super::paths::PathLanes;
@@ -14,6 +13,7 @@ use crate::bsdf::mixture;
 use crate::math::lanes::pick;
 use crate::math::vectors::{Vectors, over_lanes};
 use crate::sampler::LaneSampler;
+use crate::scene::lobe_form as form;
 use crate::scene::{NONE, Tables};
 use crate::transport::IntegratorSettings;
 use crate::transport::connection::{Connection, SampleCounts, reflected};
@@ -28,23 +28,30 @@ impl<S: LaneSampler, const N: usize> Wave<S, N> {
         settings: &IntegratorSettings,
     ) {
         for is_textured in [false, true] {
-            let segment = self.classes.segments[plain(FORM, is_textured) as usize];
-            if segment.count > 0 {
-                self.plain_segment::<FORM>(vectors, tables, settings, segment, is_textured);
+            let class = plain(FORM, is_textured) as usize;
+            if self.classes.segments[class].count > 0 {
+                self.plain_class::<FORM>(vectors, tables, settings, class, is_textured);
             }
         }
     }
 
-    fn plain_segment<const FORM: u32>(
+    fn plain_class<const FORM: u32>(
         &mut self,
         vectors: Vectors,
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
-        segment: Segment,
+        class: usize,
         is_textured: bool,
     ) {
         let list = &self.classes.list;
-        points::on_triangles(
+        let (segment, spheres) = (self.classes.segments[class], self.classes.spheres[class]);
+        let on_triangles = match (tables.normals.is_empty(), tables.uvs.is_empty()) {
+            (false, false) => points::on_triangles::<true, true, N>,
+            (false, true) => points::on_triangles::<true, false, N>,
+            (true, false) => points::on_triangles::<false, true, N>,
+            (true, true) => points::on_triangles::<false, false, N>,
+        };
+        on_triangles(
             vectors,
             tables,
             &self.paths,
@@ -53,6 +60,18 @@ impl<S: LaneSampler, const N: usize> Wave<S, N> {
             segment,
             &mut self.points,
         );
+        if spheres.count > 0 {
+            let (paths, hits) = (&self.paths, &self.hits);
+            points::on_spheres(
+                vectors,
+                tables,
+                paths,
+                hits,
+                list,
+                spheres,
+                &mut self.points,
+            );
+        }
         self.emission(tables, segment);
         lobes::look_up::<FORM, N>(vectors, tables, &self.points, segment, &mut self.lobes);
         if is_textured {

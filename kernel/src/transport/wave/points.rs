@@ -2,9 +2,11 @@
 
 use super::paths::PathLanes;
 use super::segment::Segment;
-use crate::math::Frame;
+use crate::math::affine::{transform_point, transform_vector};
 use crate::math::lanes::{Vec3Lanes, pick};
 use crate::math::vectors::over_lanes;
+use crate::math::{Frame, field};
+use crate::scene::quadric::sphere_point_with;
 use crate::scene::surface::detail;
 use crate::scene::triangle::triangle_point_with;
 use crate::scene::{HitBatch, SurfacePoint, Tables};
@@ -74,8 +76,9 @@ impl<const N: usize> PointLanes<N> {
 }
 
 over_lanes! {
-    /// The points on triangles of the world where the paths of `list` in a segment arrive.
-    pub(super) fn on_triangles<; const N: usize>(
+    /// The points on triangles of the world where the paths of `list` in a segment arrive; without `NORMALS` or `UVS` if no mesh
+    /// has them.
+    pub(super) fn on_triangles<; const NORMALS: bool, const UVS: bool, const N: usize>(
         tables: &Tables<'_>,
         paths: &PathLanes<N>,
         hits: &HitBatch<N>,
@@ -83,10 +86,15 @@ over_lanes! {
         segment: Segment,
         points: &mut PointLanes<N>,
     ) {
+        let tables = Tables {
+            normals: if NORMALS { tables.normals } else { &[] },
+            uvs: if UVS { tables.uvs } else { &[] },
+            ..*tables
+        };
         for k in segment.slots::<N>() {
             let i = list[k];
             let point = triangle_point_with::<{ detail::TANGENTS }>(
-                tables,
+                &tables,
                 pick(&hits.primitive, i),
                 pick(&hits.b1, i),
                 pick(&hits.b2, i),
@@ -94,6 +102,33 @@ over_lanes! {
             points.set(k, &point);
             let back: Vec3 = -paths.rays.direction.pick(i);
             points.wi.set(k, point.frame.to_local(back));
+        }
+    }
+
+    /// The points on spheres of the world where the paths of a part of a segment arrive.
+    pub(super) fn on_spheres<; const N: usize>(
+        tables: &Tables<'_>,
+        paths: &PathLanes<N>,
+        hits: &HitBatch<N>,
+        list: &[u32; N],
+        part: Segment,
+        points: &mut PointLanes<N>,
+    ) {
+        let triangle_count = tables.triangles.len() as u32;
+        for k in part.slots::<N>() {
+            let i = list[k];
+            let quadric = pick(&hits.primitive, i).wrapping_sub(triangle_count);
+            let to_object = field(tables.quadrics, quadric, |q| q.to_object);
+            let origin = transform_point(&to_object, paths.rays.origin.pick(i));
+            let direction = transform_vector(&to_object, paths.rays.direction.pick(i));
+            let p = origin + direction * pick(&hits.t, i);
+            let point = sphere_point_with::<{ detail::TANGENTS }>(tables, quadric, p);
+            // Slots in front of the part have points on triangles.
+            if k >= part.first {
+                points.set(k, &point);
+                let back: Vec3 = -paths.rays.direction.pick(i);
+                points.wi.set(k, point.frame.to_local(back));
+            }
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Directions that many paths leave their surfaces in, side by side.
 
-use super::form;
 use super::lobes::LobeLanes;
 use super::normals::NormalLanes;
 use super::paths::PathLanes;
@@ -10,6 +9,7 @@ use crate::bsdf::{BsdfSample, mixture};
 use crate::math::lanes::Vec3Lanes;
 use crate::math::vectors::over_lanes;
 use crate::sampler::LaneSampler;
+use crate::scene::lobe_form as form;
 use crate::transport::IntegratorSettings;
 use crate::transport::path::step;
 use bytemuck::Zeroable;

@@ -4,7 +4,8 @@ use crate::math::lanes::VECTOR;
 use bytemuck::Zeroable;
 use core::ops::Range;
 
-/// The slots of a class of paths: from a multiple of [`VECTOR`] on, up to another, of which the first `count` are taken.
+/// The slots of a class of paths: from a multiple of [`VECTOR`] on, up to another, of which the first `count` are taken. Parts of
+/// it begin anywhere.
 #[derive(Clone, Copy, Zeroable)]
 pub(super) struct Segment {
     pub first: usize,
@@ -12,6 +13,17 @@ pub(super) struct Segment {
 }
 
 impl Segment {
+    /// No slot.
+    pub const NONE: Segment = Segment { first: 0, count: 0 };
+
+    /// The slots from `first` on below `end`, which is no less.
+    pub fn between(first: usize, end: usize) -> Segment {
+        Segment {
+            first,
+            count: end - first,
+        }
+    }
+
     /// All slots, in whole vectors.
     #[inline(always)]
     pub fn slots<const N: usize>(self) -> Range<usize> {

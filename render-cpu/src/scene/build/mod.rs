@@ -73,6 +73,9 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     builder.add_shapes(root)?;
     builder.add_emitters(root)?;
     builder.finish(root)?;
+    if let Some((what, most)) = builder.tables.view().oversized() {
+        return Err(root.error(format!("the scene has more than {most} {what}")));
+    }
     warn_unused(root)?;
     Ok(Scene {
         tables: builder.tables,

@@ -1,18 +1,33 @@
-//! Forms of lobes that loops over lanes are compiled for: a kind, and the distribution of its microfacets.
+//! Forms of lobes that loops over lanes ([`crate::transport::wave`]) are compiled for: a kind, and the distribution of its
+//! microfacets.
+//!
+//! Hosts only.
 
-use crate::scene::{distribution, lobe_kind};
+use super::material::{distribution, lobe_kind};
 
+/// Lambertian reflection.
 pub const DIFFUSE: u32 = 0;
+/// Rough diffuse reflection.
 pub const ROUGH_DIFFUSE: u32 = 1;
+/// Smooth conductor.
 pub const CONDUCTOR: u32 = 2;
+/// Smooth dielectric boundary.
 pub const DIELECTRIC: u32 = 3;
+/// Thin dielectric slab.
 pub const THIN_DIELECTRIC: u32 = 4;
+/// Diffuse base under a smooth dielectric.
 pub const PLASTIC: u32 = 5;
+/// Conductor with Beckmann facets.
 pub const ROUGH_CONDUCTOR_BECKMANN: u32 = 6;
+/// Conductor with GGX facets.
 pub const ROUGH_CONDUCTOR_GGX: u32 = 7;
+/// Dielectric boundary with Beckmann facets.
 pub const ROUGH_DIELECTRIC_BECKMANN: u32 = 8;
+/// Dielectric boundary with GGX facets.
 pub const ROUGH_DIELECTRIC_GGX: u32 = 9;
+/// Diffuse base under a dielectric with Beckmann facets.
 pub const ROUGH_PLASTIC_BECKMANN: u32 = 10;
+/// Diffuse base under a dielectric with GGX facets.
 pub const ROUGH_PLASTIC_GGX: u32 = 11;
 /// Number of forms.
 pub const COUNT: u32 = 12;

@@ -40,6 +40,7 @@ pub mod measured;
 pub mod merge;
 pub mod mesh;
 pub mod metrics;
+pub mod pixel_statistics;
 pub mod plot;
 pub mod png_output;
 pub mod processor;

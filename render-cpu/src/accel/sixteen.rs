@@ -8,12 +8,12 @@ use super::Group;
 use super::lanes16::*;
 use super::packed::Place;
 use super::root16::Starts;
-use super::spheres16;
+use super::spheres16::{self, test_spheres};
 use super::traverse::{CpuTraverse, Nearest};
 use super::triangles16::{self, Hits, ShearedRays};
 use halflight_kernel::math::Ray;
 use halflight_kernel::scene::traverse::REACH;
-use halflight_kernel::scene::{Hit, HitBatch, RayBatch, Tables};
+use halflight_kernel::scene::{Hit, HitBatch, RayBatch};
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
@@ -223,7 +223,7 @@ avx512! {
     }
 
     /// Keeps the hits of some lanes' rays, `owners`, with primitives of the world, where they come first; the rays' lanes.
-    fn keep(sixteen: &mut Sixteen, owners: __m512i, hits: &Hits, primitives: __m512i) -> u16 {
+    pub fn keep(sixteen: &mut Sixteen, owners: __m512i, hits: &Hits, primitives: __m512i) -> u16 {
         let mut kept = 0;
         let mut left = hits.mask;
         while left != 0 {
@@ -246,25 +246,6 @@ avx512! {
             kept |= is_first;
         }
         kept
-    }
-
-    /// Tests the spheres of a mask among the primitives that wait for `rays`, those of the lanes `owners`; the rays' lanes that
-    /// have met one.
-    pub fn test_spheres(
-        sixteen: &mut Sixteen,
-        tables: &Tables<'_>,
-        rays: &ShearedRays,
-        owners: __m512i,
-        primitives: __m512i,
-        spheres: u16,
-    ) -> u16 {
-        if spheres == 0 {
-            return 0;
-        }
-        let to_object = spheres16::maps(tables, primitives, spheres);
-        let range = [rays.t_min, rays.t_max];
-        let found = spheres16::hits(rays.origin, rays.direction, to_object, range, spheres);
-        keep(sixteen, owners, &found, primitives)
     }
 
     /// Hands over the hits of the lanes of a mask, with `ANY` whether there are any.

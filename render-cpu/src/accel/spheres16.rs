@@ -2,7 +2,8 @@
 //! the same order, so that the hits are the same to the bit.
 
 use super::lanes16::*;
-use super::triangles16::Hits;
+use super::sixteen::{Sixteen, keep};
+use super::triangles16::{Hits, ShearedRays};
 use halflight_kernel::scene::{Quadric, Tables, quadric_kind};
 use std::arch::x86_64::*;
 use std::mem::offset_of;
@@ -97,5 +98,24 @@ avx512! {
             b1: zero,
             b2: zero,
         }
+    }
+
+    /// Tests the spheres of a mask among the primitives that wait for `rays`, those of the lanes `owners`; the rays' lanes that
+    /// have met one.
+    pub fn test_spheres(
+        sixteen: &mut Sixteen,
+        tables: &Tables<'_>,
+        rays: &ShearedRays,
+        owners: __m512i,
+        primitives: __m512i,
+        spheres: u16,
+    ) -> u16 {
+        if spheres == 0 {
+            return 0;
+        }
+        let to_object = maps(tables, primitives, spheres);
+        let range = [rays.t_min, rays.t_max];
+        let found = hits(rays.origin, rays.direction, to_object, range, spheres);
+        keep(sixteen, owners, &found, primitives)
     }
 }

@@ -82,12 +82,13 @@ impl<T: Traverse> TileJob<'_, T> {
                 let count = count(x, y);
                 if self.settings.kind != integrator_kind::PATH {
                     for i in 0..count {
-                        let mut numbers = new(i);
+                        let sampler = new(i);
+                        let mut numbers = sampler;
                         let radiance =
                             transport::sample_pixel(self.view, self.settings, &mut numbers, pixel);
                         tile.pixel_mut(x, y).add_sample(radiance);
                         if self.needs_surface {
-                            self.add_surface(tile, [x, y], new(i));
+                            self.add_surface(tile, [x, y], sampler);
                         }
                     }
                     continue;

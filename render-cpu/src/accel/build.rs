@@ -145,6 +145,7 @@ pub fn place_bounds(
     bounds(tables, range, group_bounds, true)
 }
 
+/// The primitives of a group, triangles as they are or in pairs.
 fn bounds(
     tables: &Tables<'_>,
     range: &GroupRange,

@@ -8,7 +8,7 @@
 use super::Group;
 use super::build::MAX_WIDE_DEPTH;
 use super::lanes16::*;
-use super::node16::plane_distances;
+use super::node16::grid;
 use super::root16::are_traceable;
 use super::sixteen::{Sixteen, keep_first, sheared};
 use super::spheres16::{self, test_spheres};
@@ -81,18 +81,9 @@ avx512! {
             [floats(&node.child_min_y), floats(&node.child_max_y)],
             [floats(&node.child_min_z), floats(&node.child_max_z)],
         ];
-        let corner = [node.p.x, node.p.y, node.p.z];
         let range = [load(&sixteen.t_min), load(&sixteen.t_max)];
-        let mut grid = [[range[0]; 3]; 3];
-        for k in 0..3 {
-            let unit = splat(f32::from_bits(u32::from(node.e[k]) << 23));
-            let offset = _mm512_sub_ps(splat(corner[k]), load(&sixteen.origin[k]));
-            let [step, low, high] = plane_distances::<255>(unit, offset, load(&sixteen.inverse[k]));
-            grid[0][k] = step;
-            grid[1][k] = low;
-            grid[2][k] = high;
-        }
-        let [step, low, high] = grid;
+        let three = |rows: &[Floats; 3]| [load(&rows[0]), load(&rows[1]), load(&rows[2])];
+        let [step, low, high] = grid(node, three(&sixteen.origin), three(&sixteen.inverse));
         let is_negative = sixteen.negative.map(|lanes| usize::from(lanes & 1));
         let near = [0, 1, 2].map(|k| &planes[k][is_negative[k]]);
         let far = [0, 1, 2].map(|k| &planes[k][1 - is_negative[k]]);

@@ -93,16 +93,20 @@ impl CpuTraverse<'_> {
             let is_bundle = |first: usize, together: f32| {
                 together >= TOGETHER && first + LANES <= count && is_bundle(group, rays, first)
             };
-            while is_bundle(next, together) {
+            if is_bundle(next, together) {
                 take(&mut walks.rays, u16::MAX, rays, &starts, next);
                 let latest = self.trace_bundle(&mut walks.rays, group, ANY);
                 hand_over_row(&walks.rays, next, hits);
                 next += LANES;
                 together = 0.75 * together + 0.25 * latest;
+                continue;
             }
             let first = next;
-            while next < count && !is_bundle(next, together) {
+            loop {
                 next = (next + LANES).min(count);
+                if next == count || is_bundle(next, together) {
+                    break;
+                }
             }
             self.walk_apart::<ANY, N>(&mut walks, group, rays, &starts, first..next, hits);
         }

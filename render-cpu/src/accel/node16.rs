@@ -12,14 +12,14 @@ use std::arch::x86_64::*;
 /// Where children's bits begin among those of a node.
 pub const CHILDREN: u32 = 24;
 
+/// The first of them.
+pub const FIRST_CHILD: i32 = 1 << CHILDREN;
+
 /// Plane q is the float [`OFFSET`] + q, of which q is the second byte.
 const OFFSET: f32 = 32768.0;
 
 /// Its second byte of every word.
 const SECOND_BYTES: u64 = 0x2222_2222_2222_2222;
-
-/// The first of them.
-pub const FIRST_CHILD: i32 = 1 << CHILDREN;
 
 /// What rays meet of their nodes.
 #[derive(Clone, Copy)]
@@ -88,7 +88,7 @@ avx512! {
     }
 
     /// The lanes of `mask` that meet a child, by the near and the far planes' bytes, of which `bytes` makes floats
-    /// ([`Walks::bytes`]).
+    /// ([`byte_shuffles`]).
     fn meets(
         near: [__m512i; 3],
         far: [__m512i; 3],
@@ -219,9 +219,24 @@ avx512! {
         (index, _mm512_andnot_si512(_mm512_sllv_epi32(word(1), bit), bits))
     }
 
+    /// Steps and bases ([`plane_distances`]) of the axes of one node for all rays.
+    pub fn grid(node: &CwBvhNode, origin: [__m512; 3], inverse: [__m512; 3]) -> [[__m512; 3]; 3] {
+        let corner = [node.p.x, node.p.y, node.p.z];
+        let mut grid = [origin; 3];
+        for k in 0..3 {
+            let unit = splat(f32::from_bits(u32::from(node.e[k]) << 23));
+            let offset = _mm512_sub_ps(splat(corner[k]), origin[k]);
+            let [step, low, high] = plane_distances::<255>(unit, offset, inverse[k]);
+            grid[0][k] = step;
+            grid[1][k] = low;
+            grid[2][k] = high;
+        }
+        grid
+    }
+
     /// Plane q of an axis is met at q step + base, see [`super::node`]: the step and the base, rounded down and up, of a grid with
     /// planes `unit` apart whose corner is `offset` from the ray's origin. `PLANES` is how many planes away rounding takes place.
-    pub fn plane_distances<const PLANES: i32>(unit: __m512, offset: __m512, inverse: __m512) -> [__m512; 3] {
+    fn plane_distances<const PLANES: i32>(unit: __m512, offset: __m512, inverse: __m512) -> [__m512; 3] {
         let step = _mm512_mul_ps(unit, inverse);
         let base = _mm512_mul_ps(offset, inverse);
         let size = _mm512_fmadd_ps(_mm512_abs_ps(step), splat(PLANES as f32), _mm512_abs_ps(base));

@@ -5,11 +5,10 @@
 
 use super::Group;
 use super::lanes16::*;
-use super::node16::{
-    CHILDREN, FIRST_CHILD, first_child, first_words, in_order, orders, plane_distances,
-};
+use super::node16::{CHILDREN, FIRST_CHILD, first_child, first_words, grid, in_order, orders};
 use super::triangles16::{longest_axes, shears};
 use halflight_kernel::scene::RayBatch;
+use obvhs::cwbvh::node::CwBvhNode;
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
@@ -51,23 +50,20 @@ impl<const N: usize> Starts<N> {
 }
 
 /// The root, as constants.
-struct Root {
-    corner: [f32; 3],
-    /// Distances of the planes.
-    unit: [f32; 3],
+struct Root<'a> {
+    node: &'a CwBvhNode,
     /// Lower and upper planes by axes and children.
     planes: [[[f32; 8]; 2]; 3],
     /// What each child adds to the children and places that are met.
     bits: [u32; 8],
 }
 
-impl Root {
-    fn new(group: &Group) -> Root {
+impl Root<'_> {
+    fn new(group: &Group) -> Root<'_> {
         let node = &group.nodes[0];
         let floats = |bytes: [u8; 8]| bytes.map(f32::from);
         Root {
-            corner: [node.p.x, node.p.y, node.p.z],
-            unit: node.e.map(|e| f32::from_bits(u32::from(e) << 23)),
+            node,
             planes: [
                 [floats(node.child_min_x), floats(node.child_max_x)],
                 [floats(node.child_min_y), floats(node.child_max_y)],
@@ -159,22 +155,14 @@ avx512! {
 
     /// Bits of the root's children and places that the rays of a mask meet, see [`super::lockstep`].
     fn meet(
-        root: &Root,
+        root: &Root<'_>,
         origin: [__m512; 3],
         inverse: [__m512; 3],
         negative: [u16; 3],
         range: [__m512; 2],
         lanes: u16,
     ) -> __m512i {
-        let mut grid = [[range[0]; 3]; 3];
-        for k in 0..3 {
-            let offset = _mm512_sub_ps(splat(root.corner[k]), origin[k]);
-            let [step, low, high] = plane_distances::<255>(splat(root.unit[k]), offset, inverse[k]);
-            grid[0][k] = step;
-            grid[1][k] = low;
-            grid[2][k] = high;
-        }
-        let [step, low, high] = grid;
+        let [step, low, high] = grid(root.node, origin, inverse);
         let mut met = _mm512_setzero_si512();
         for child in 0..8 {
             let (mut t0, mut t1) = (range[0], range[1]);

@@ -242,8 +242,7 @@ avx512! {
             let primitive = _mm512_permutexvar_epi32(turn, primitives);
             let b1 = _mm512_permutexvar_ps(turn, hits.b1);
             let b2 = _mm512_permutexvar_ps(turn, hits.b2);
-            let is_first = keep_first(sixteen, has_hit, [t, b1, b2], primitive);
-            kept |= is_first;
+            kept |= keep_first(sixteen, has_hit, [t, b1, b2], primitive);
         }
         kept
     }

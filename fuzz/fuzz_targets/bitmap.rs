@@ -8,6 +8,6 @@ libfuzzer_sys::fuzz_target!(
     init: { let _ = std::panic::take_hook(); },
     |data: &[u8]| {
         // The name makes what has no magic number a TGA.
-        let _ = halflight::image_io::read_bitmap(data, false, Path::new("fuzz.tga"));
+        let _ = halflight::image::read_bitmap(data, false, Path::new("fuzz.tga"));
     }
 );

@@ -1,7 +1,7 @@
 //! Checkpoints: the checksum is made to agree, so that what it guards is reached.
 #![no_main]
 
-use halflight::checkpoint::{read_checkpoint, write_checkpoint};
+use halflight::film::checkpoint::{read_checkpoint, write_checkpoint};
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 

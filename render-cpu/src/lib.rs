@@ -1,12 +1,12 @@
 //! Halflight on the CPU: scene files in, images out.
 //!
 //! The mathematics is in `halflight-kernel`; this crate reads scenes, meshes and images ([`scene`], [`mesh`],
-//! [`image_io`]), traces rays ([`accel`]), drives samples over threads ([`mod@render`], [`adaptive`]), keeps them
-//! ([`film`], [`checkpoint`]), and writes and judges images ([`exr_output`], [`png_output`], [`metrics`], [`merge`]).
+//! [`image`]), traces rays ([`accel`]), drives samples over threads ([`mod@render`]), keeps them ([`film`]), and
+//! writes, merges and compares images ([`image`], [`compare`]).
 //! The command `halflight` is [`commands`].
 //!
 //! ```
-//! use halflight::aov::AovSet;
+//! use halflight::film::aov::AovSet;
 //! use halflight::render::{Goal, RenderOptions, render_film};
 //! use halflight::scene::build::{BuildOptions, build_scene};
 //! use halflight::scene::xml::parse_scene;
@@ -22,29 +22,17 @@
 //! ```
 
 pub mod accel;
-pub mod adaptive;
-pub mod aov;
 pub mod atomic_file;
 pub mod bytes;
-pub mod checkpoint;
 pub mod commands;
-pub mod comparison;
+pub mod compare;
 pub mod experiment;
-pub mod exr_output;
 pub mod film;
-pub mod heatmap;
-pub mod image_io;
-pub mod image_metadata;
+pub mod image;
 pub mod material;
 pub mod measured;
-pub mod merge;
 pub mod mesh;
-pub mod metrics;
-pub mod pixel_statistics;
 pub mod plot;
-pub mod png_output;
 pub mod processor;
-pub mod progress;
 pub mod render;
 pub mod scene;
-mod tile_job;

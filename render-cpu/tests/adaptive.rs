@@ -1,9 +1,9 @@
 //! Where adaptive sampling sends its samples.
 
 use glam::Vec3;
-use halflight::adaptive::{UNIFORM_SAMPLES, block_errors, next_sample_counts};
-use halflight::aov::AovSet;
 use halflight::film::Film;
+use halflight::film::adaptive::{UNIFORM_SAMPLES, block_errors, next_sample_counts};
+use halflight::film::aov::AovSet;
 use halflight_kernel::math::statistics::relative_squared_error;
 use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
 //! From the object tree to tables: what plugins and their properties become.
 
-use halflight::aov::{Aov, AovSet};
+use halflight::film::aov::{Aov, AovSet};
 use halflight::render::{Goal, RenderOptions, render_film};
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::error::SceneError;

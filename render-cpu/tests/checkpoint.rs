@@ -1,12 +1,12 @@
 //! Checkpoints continue bit for bit, and nothing but a whole checkpoint of the same run is taken.
 
 use glam::Vec3;
-use halflight::aov::{Aov, AovSample, AovSet};
-use halflight::checkpoint::{
+use halflight::film::Film;
+use halflight::film::aov::{Aov, AovSample, AovSet};
+use halflight::film::checkpoint::{
     CheckpointError, Progress, Settings, load_checkpoint, read_checkpoint, save_checkpoint,
     write_checkpoint,
 };
-use halflight::film::Film;
 use proptest::prelude::*;
 use std::path::Path;
 

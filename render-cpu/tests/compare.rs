@@ -2,14 +2,14 @@
 
 use clap::Parser;
 use glam::Vec3;
-use halflight::aov::{Aov, AovSet};
 use halflight::commands::compare::{CompareArgs, run};
-use halflight::comparison::{CompareError, Comparison, ErrorMap, Metric, Options};
-use halflight::exr_output::{LayeredImage, write_exr};
+use halflight::compare::comparison::{CompareError, Comparison, ErrorMap, Metric, Options};
+use halflight::compare::heatmap::{LEGEND_HEIGHT, NOT_FINITE, color};
 use halflight::film::Film;
-use halflight::heatmap::{LEGEND_HEIGHT, NOT_FINITE, color};
-use halflight::image_io::{ExrImage, read_exr};
-use halflight::image_metadata::ImageMetadata;
+use halflight::film::aov::{Aov, AovSet};
+use halflight::image::exr_output::{LayeredImage, write_exr};
+use halflight::image::metadata::ImageMetadata;
+use halflight::image::{ExrImage, read_exr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

@@ -7,11 +7,11 @@
 //!
 //! Without the variable the test says that it skips; with `HALFLIGHT_REQUIRE_CORPUS` set that is a failure.
 
-use halflight::aov::AovSet;
+use halflight::compare::metrics::RgbImage;
+use halflight::compare::metrics::ztest::{Estimate, Outcome, Settings, ztest};
 use halflight::film::Film;
-use halflight::image_io::read_exr;
-use halflight::metrics::RgbImage;
-use halflight::metrics::ztest::{Estimate, Outcome, Settings, ztest};
+use halflight::film::aov::AovSet;
+use halflight::image::read_exr;
 use halflight::render::{Goal, RenderOptions, render_film};
 use halflight::scene::build::{BuildOptions, FilmOverride, build_scene};
 use halflight::scene::xml::parse_scene;

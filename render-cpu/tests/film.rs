@@ -1,12 +1,12 @@
 //! The film, its files, and what a broken write leaves behind.
 
 use glam::Vec3;
-use halflight::aov::{Aov, AovSample, AovSet};
 use halflight::atomic_file::write_atomically;
-use halflight::exr_output::{LayeredImage, write_exr};
+use halflight::film::aov::{Aov, AovSample, AovSet};
 use halflight::film::{Film, FilmError, PixelStatistics};
-use halflight::image_metadata::{ImageMetadata, SampleRange, join_ranges};
-use halflight::png_output::{Exposure, srgb_encode, tone_curve, tone_map, write_png};
+use halflight::image::exr_output::{LayeredImage, write_exr};
+use halflight::image::metadata::{ImageMetadata, SampleRange, join_ranges};
+use halflight::image::png_output::{Exposure, srgb_encode, tone_curve, tone_map, write_png};
 use proptest::prelude::*;
 use std::io::Write;
 

@@ -1,13 +1,13 @@
 //! Merged parts are the whole; what must not be merged is not.
 
 use glam::Vec3;
-use halflight::aov::{Aov, AovSample};
 use halflight::commands::merge::{MergeArgs, run};
-use halflight::exr_output::{LayeredImage, write_exr};
 use halflight::film::Film;
-use halflight::image_io::{ExrImage, read_exr};
-use halflight::image_metadata::{ImageMetadata, SampleRange};
-use halflight::merge::Merger;
+use halflight::film::aov::{Aov, AovSample};
+use halflight::image::exr_output::{LayeredImage, write_exr};
+use halflight::image::merge::Merger;
+use halflight::image::metadata::{ImageMetadata, SampleRange};
+use halflight::image::{ExrImage, read_exr};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

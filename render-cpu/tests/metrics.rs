@@ -1,14 +1,14 @@
 //! Metrics against closed forms and against figures of independent programs.
 
+use halflight::compare::metrics::RgbImage;
+use halflight::compare::metrics::flip::{hdr_flip, ldr_flip, mean};
+use halflight::compare::metrics::mse::mse;
+use halflight::compare::metrics::psnr::psnr;
+use halflight::compare::metrics::relative_mse::relative_mse;
+use halflight::compare::metrics::residual_rms::residual_rms;
+use halflight::compare::metrics::ssim::ssim;
 use halflight::film::luminance;
-use halflight::metrics::RgbImage;
-use halflight::metrics::flip::{hdr_flip, ldr_flip, mean};
-use halflight::metrics::mse::mse;
-use halflight::metrics::psnr::psnr;
-use halflight::metrics::relative_mse::relative_mse;
-use halflight::metrics::residual_rms::residual_rms;
-use halflight::metrics::ssim::ssim;
-use halflight::png_output::srgb_encode;
+use halflight::image::png_output::srgb_encode;
 use proptest::prelude::*;
 
 fn constant(v: [f64; 3]) -> RgbImage {

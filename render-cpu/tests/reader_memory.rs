@@ -1,6 +1,6 @@
 //! No reader reserves memory that the file cannot fill: peak allocation on small hostile files, by a counting allocator.
 
-use halflight::image_io::{read_bitmap, read_exr_bytes};
+use halflight::image::{read_bitmap, read_exr_bytes};
 use halflight::measured::merl::Merl;
 use halflight::mesh::{obj, ply, serialized};
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -1,7 +1,7 @@
 //! Light transport on scenes whose radiance is known, and the equality of techniques that must agree.
 
-use halflight::aov::AovSet;
 use halflight::film::Film;
+use halflight::film::aov::AovSet;
 use halflight::render::{Goal, RenderOptions, render_film};
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;

@@ -1,7 +1,7 @@
 //! The z-test raises as many alarms as it says, and finds what is wrong.
 
-use halflight::metrics::RgbImage;
-use halflight::metrics::ztest::{Estimate, Outcome, Settings, ztest};
+use halflight::compare::metrics::RgbImage;
+use halflight::compare::metrics::ztest::{Estimate, Outcome, Settings, ztest};
 
 /// A 64-bit counter through a mixing function (SplitMix64).
 struct Random(u64);

@@ -1,8 +1,8 @@
 //! The last step of `render-spirv/build-shaders`, with the module's name and the compiler's: forbids drivers to fuse arithmetic,
 //! and writes the stamp.
 
-use halflight_spirv::exact::decorated;
 use halflight_spirv::module::{MODULES, words_of};
+use halflight_spirv::no_contraction::decorated;
 use std::error::Error;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 //! The same scene tables that the CPU renders are uploaded as storage buffers ([`scene_buffers`]); every invocation of a
 //! compute shader (`render-spirv/shaders`) takes one sample of one pixel, or one step of it, with the same functions of
 //! [`halflight_kernel::transport`] and the same random numbers, and the samples are added to the same film
-//! ([`sampling`]). Two images of the same seed therefore differ by rounding only, and by the few paths that rounding
+//! ([`device_backend`]). Two images of the same seed therefore differ by rounding only, and by the few paths that rounding
 //! sends another way.
 //!
 //! # Modules
@@ -22,7 +22,7 @@
 //! # Stages and features
 //! SPIR-V functions that touch buffers are copied to every call, so a whole path in one shader is a quarter of a million
 //! instructions, for which the compiler of Mesa's software device takes more than six minutes. Path tracing and direct
-//! illumination therefore run in [`stages`], one step of all paths at a time, and every stage is compiled for the
+//! illumination therefore run in [`path_stages`], one step of all paths at a time, and every stage is compiled for the
 //! features of the scene ([`halflight_kernel::scene::features`]): models, textures and lights that the scene lacks are
 //! removed by the driver.
 //!
@@ -34,12 +34,12 @@
 
 pub mod canary;
 pub mod commands;
-pub mod exact;
+pub mod device_backend;
 pub mod interface;
 pub mod module;
+pub mod no_contraction;
+pub mod path_stages;
 pub mod probe;
-pub mod probing;
-pub mod sampling;
+pub mod probe_runner;
 pub mod scene_buffers;
-pub mod stages;
 pub mod vulkan;

@@ -49,7 +49,7 @@ impl Place {
 
     /// Samples per pixel of the image.
     fn samples(&self) -> f32 {
-        let image = halflight::image_io::read_exr(self.path("out.exr")).expect("an image");
+        let image = halflight::image::read_exr(self.path("out.exr")).expect("an image");
         image.channel("samples").expect("the layer")[0]
     }
 }

@@ -8,7 +8,7 @@ use halflight_kernel::bsdf::{Lobe, rough_conductor};
 use halflight_kernel::regularize::bounds;
 use halflight_kernel::scene::{distribution, lobe_kind};
 use halflight_spirv::module::{MODULES, words_of};
-use halflight_spirv::probing::run_once;
+use halflight_spirv::probe_runner::run_once;
 use std::path::Path;
 
 #[test]

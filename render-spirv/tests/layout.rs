@@ -5,7 +5,7 @@ mod common;
 use common::device;
 use halflight_spirv::module::{self, MODULES};
 use halflight_spirv::probe::layout::{PATTERN, host};
-use halflight_spirv::probing::run_once;
+use halflight_spirv::probe_runner::run_once;
 use std::ffi::CStr;
 use std::path::Path;
 

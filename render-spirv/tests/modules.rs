@@ -1,7 +1,7 @@
 //! The committed modules: as new as their sources, valid, and no more demanding than the host provides.
 
-use halflight_spirv::exact;
 use halflight_spirv::module::{self, MODULES};
+use halflight_spirv::no_contraction;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -108,8 +108,12 @@ fn modules_are_valid() {
 fn arithmetic_is_exact() {
     for m in MODULES {
         let words = module::words_of(&std::fs::read(m.path(&root())).expect("a module"));
-        assert!(exact::contractible(&words).is_empty(), "{}", m.name);
-        assert_eq!(exact::decorated(&words), words, "{}", m.name);
+        assert!(
+            no_contraction::contractible(&words).is_empty(),
+            "{}",
+            m.name
+        );
+        assert_eq!(no_contraction::decorated(&words), words, "{}", m.name);
     }
     // Two results are computed, the second is decorated already.
     let instruction = |opcode: u32, operands: &[u32]| {
@@ -126,8 +130,8 @@ fn arithmetic_is_exact() {
         instruction(128, &[1, 7, 2, 2]),
     ]
     .concat();
-    assert_eq!(exact::contractible(&words), [5]);
-    let after = exact::decorated(&words);
+    assert_eq!(no_contraction::contractible(&words), [5]);
+    let after = no_contraction::decorated(&words);
     assert_eq!(after[..7], words[..7]);
     assert_eq!(after[7..10], instruction(71, &[5, 42]));
     assert_eq!(after[10..], words[7..]);

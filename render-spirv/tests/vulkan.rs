@@ -3,13 +3,13 @@
 mod common;
 
 use common::device;
-use halflight::aov::{Aov, AovSet};
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
-use halflight::render::{Goal, RenderOptions, Sampling, ThreadSampling};
+use halflight::film::aov::{Aov, AovSet};
+use halflight::render::{Backend, CpuBackend, Goal, RenderOptions};
 use halflight::scene::build::Scene;
 use halflight_spirv::canary::loop_budget;
-use halflight_spirv::sampling::{DeviceSampling, SamplingError};
+use halflight_spirv::device_backend::{BackendError, DeviceBackend};
 use halflight_spirv::vulkan::{Device, Instance, Memory, VulkanError, choose};
 use std::path::Path;
 
@@ -52,12 +52,12 @@ fn occlusion_is_that_of_the_processor() {
         let accel = build_accel(&scene);
         let options = options();
         let mut on_device = film();
-        DeviceSampling::new(&device, &scene, &accel, &options, false)
+        DeviceBackend::new(&device, &scene, &accel, &options, false)
             .expect("a pipeline")
             .pass(&mut on_device, 4, None)
             .expect("a pass");
         let mut on_cpu = film();
-        ThreadSampling {
+        CpuBackend {
             scene: &scene,
             accel: &accel,
             options: &options,
@@ -81,13 +81,11 @@ fn a_lost_device_leaves_complete_layers() {
     let Some(device) = device() else { return };
     let scene = scene("cornell-box.xml", "ao");
     let accel = build_accel(&scene);
-    let mut sampling =
-        DeviceSampling::new(&device, &scene, &accel, &options(), false).expect("a pipeline");
-    sampling.simulate_loss_after(2);
+    let mut backend =
+        DeviceBackend::new(&device, &scene, &accel, &options(), false).expect("a pipeline");
+    backend.simulate_loss_after(2);
     let mut film = film();
-    let error = sampling
-        .pass(&mut film, 4, None)
-        .expect_err("a lost device");
+    let error = backend.pass(&mut film, 4, None).expect_err("a lost device");
     assert!(error.to_string().contains("was lost"), "{error}");
     assert!(film.statistics().iter().all(|p| p.count == 2));
 }
@@ -98,8 +96,8 @@ fn an_integrator_without_a_shader_is_named() {
     let mut scene = scene("cornell-box.xml", "direct");
     scene.settings.kind = u32::MAX;
     let accel = build_accel(&scene);
-    let error = DeviceSampling::new(&device, &scene, &accel, &options(), false).err();
-    assert!(matches!(error, Some(SamplingError::NoShader(_))));
+    let error = DeviceBackend::new(&device, &scene, &accel, &options(), false).err();
+    assert!(matches!(error, Some(BackendError::NoShader(_))));
 }
 
 /// Mesa's software device ends loops after 65,535 iterations; none may end them much earlier.
@@ -150,15 +148,15 @@ fn scenes_beyond_a_devices_limits_are_refused_with_numbers() {
     let mut description = device.description().clone();
     description.max_buffer = 64;
     let small = Device::new(device.instance(), description).expect("a device");
-    let error = DeviceSampling::new(&small, &scene, &accel, &options(), false).err();
-    let Some(SamplingError::Device(VulkanError::TooLarge { bytes, limit, .. })) = error else {
+    let error = DeviceBackend::new(&small, &scene, &accel, &options(), false).err();
+    let Some(BackendError::Device(VulkanError::TooLarge { bytes, limit, .. })) = error else {
         panic!("{error:?}");
     };
     assert!(bytes > 64 && limit == 64);
     let small = Device::new(device.instance(), device.description().clone()).expect("a device");
     small.limit_memory(2000);
-    let error = DeviceSampling::new(&small, &scene, &accel, &options(), false).err();
-    let Some(SamplingError::Device(VulkanError::OutOfMemory { bytes, used, .. })) = error else {
+    let error = DeviceBackend::new(&small, &scene, &accel, &options(), false).err();
+    let Some(BackendError::Device(VulkanError::OutOfMemory { bytes, used, .. })) = error else {
         panic!("{error:?}");
     };
     assert!(bytes + used > 2000 && used <= 2000, "{bytes} {used}");
@@ -177,12 +175,12 @@ fn surface_features_are_those_of_the_processor() {
         let accel = build_accel(&scene);
         let options = options();
         let mut on_device = Film::new(48, 48, [0, 0], aovs).expect("a film");
-        DeviceSampling::new(&device, &scene, &accel, &options, true)
+        DeviceBackend::new(&device, &scene, &accel, &options, true)
             .expect("a pipeline")
             .pass(&mut on_device, 2, None)
             .expect("a pass");
         let mut on_cpu = Film::new(48, 48, [0, 0], aovs).expect("a film");
-        ThreadSampling {
+        CpuBackend {
             scene: &scene,
             accel: &accel,
             options: &options,

@@ -2,14 +2,14 @@
 //! Through Compressed Wide BVHs").
 //!
 //! The whole walk is compiled twice on x86-64, for every processor and for those with AVX2, which is looked up once when
-//! the traverser is made. Many rays at once take the walk in lockstep (`super::lockstep`) where there is AVX-512.
+//! the traverser is made. Many rays at once take the walk in lockstep (`super::stream`) where there is AVX-512.
 
 use super::build::MAX_WIDE_DEPTH;
-use super::lanes::Lanes;
+use super::single::lanes::Lanes;
 #[cfg(not(target_arch = "x86_64"))]
-use super::lanes::Portable;
+use super::single::lanes::Portable;
 #[cfg(target_arch = "x86_64")]
-use super::lanes::{Avx2, Sse2};
+use super::single::lanes::{Avx2, Sse2};
 use super::{Accel, Group};
 use crate::processor::vectors as processor_vectors;
 use halflight_kernel::math::Ray;

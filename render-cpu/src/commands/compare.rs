@@ -1,11 +1,11 @@
 //! `halflight compare`: how much an image differs from a reference.
 
 use crate::atomic_file::WriteError;
-use crate::comparison::{CompareError, Comparison, ErrorMap, Metric, Options};
-use crate::heatmap;
-use crate::image_io::{ImageError, read_exr};
-use crate::metrics::ztest::{LevelResult, Settings};
-use crate::png_output::write_png_bytes;
+use crate::compare::comparison::{CompareError, Comparison, ErrorMap, Metric, Options};
+use crate::compare::heatmap;
+use crate::compare::metrics::ztest::{LevelResult, Settings};
+use crate::image::png_output::write_png_bytes;
+use crate::image::{ImageError, read_exr};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;

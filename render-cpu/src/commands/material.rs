@@ -1,9 +1,9 @@
 //! `halflight material`: what a material looks like before a scene is rendered with it.
 
+use crate::image::png_output::write_png_bytes;
 use crate::material::gallery::{EXAMPLES, contact_sheet};
 use crate::material::preview::Preview;
 use crate::material::{sheet, source};
-use crate::png_output::write_png_bytes;
 use clap::Args;
 use std::error::Error;
 use std::path::PathBuf;

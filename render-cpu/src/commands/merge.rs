@@ -1,10 +1,10 @@
 //! `halflight merge`: one image of several that hold different samples.
 
 use crate::atomic_file::WriteError;
-use crate::exr_output::{ChannelValues, LayeredImage, write_exr};
-use crate::image_io::{ImageError, read_exr};
-use crate::merge::{MergeError, Merger};
-use crate::png_output::{Exposure, write_png};
+use crate::image::exr_output::{ChannelValues, LayeredImage, write_exr};
+use crate::image::merge::{MergeError, Merger};
+use crate::image::png_output::{Exposure, write_png};
+use crate::image::{ImageError, read_exr};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;

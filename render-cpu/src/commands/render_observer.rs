@@ -1,8 +1,8 @@
 //! What happens between the passes of `halflight render`: a progress report and checkpoints.
 
-use crate::checkpoint::{Progress, Settings, save_checkpoint};
 use crate::film::Film;
-use crate::progress::ProgressReport;
+use crate::film::checkpoint::{Progress, Settings, save_checkpoint};
+use crate::render::progress::ProgressReport;
 use crate::render::{Observer, RunState};
 use std::error::Error;
 use std::path::PathBuf;

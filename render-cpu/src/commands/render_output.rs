@@ -1,10 +1,10 @@
 //! Where the image of `halflight render` goes, and what is written there.
 
 use super::render::RenderArgs;
-use crate::exr_output::{LayeredImage, write_exr};
 use crate::film::Film;
-use crate::image_metadata::{ImageMetadata, SampleRange};
-use crate::png_output::write_png;
+use crate::image::exr_output::{LayeredImage, write_exr};
+use crate::image::metadata::{ImageMetadata, SampleRange};
+use crate::image::png_output::write_png;
 use crate::render::{RenderOptions, RunState};
 use crate::scene::build::Scene;
 use halflight_kernel::sampler::sampler_kind;

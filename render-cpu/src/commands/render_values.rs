@@ -1,14 +1,14 @@
 //! Values of the options of `halflight render`, read from text.
 
-use crate::aov::Aov;
-use crate::png_output::Exposure;
+use crate::film::aov::Aov;
+use crate::image::png_output::Exposure;
 use std::time::Duration;
 
 /// The name of a layer.
 pub(super) fn parse_aov(text: &str) -> Result<Aov, String> {
     text.trim()
         .parse()
-        .map_err(|e: crate::aov::UnknownAov| e.to_string())
+        .map_err(|e: crate::film::aov::UnknownAov| e.to_string())
 }
 
 /// FROM..TO with FROM below TO.

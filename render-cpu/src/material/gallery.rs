@@ -1,8 +1,8 @@
 //! An example of every material, and the contact sheet of all of them on the material ball.
 
-use super::canvas::{Canvas, text_style};
 use super::preview::{AnyError, Preview};
 use super::source::{Source, inline};
+use crate::plot::canvas::{Canvas, text_style};
 use plotters::prelude::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 

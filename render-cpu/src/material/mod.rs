@@ -3,7 +3,6 @@
 //! [`source`] finds the BSDF that a person means, [`preview`] puts it on the material ball and renders that, [`curves`]
 //! samples lobes, albedo and local roughness, [`sheet`] draws all of it, and [`gallery`] draws the ball in many materials.
 
-pub mod canvas;
 pub mod curves;
 pub mod gallery;
 pub mod preview;

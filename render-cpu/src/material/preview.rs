@@ -2,10 +2,10 @@
 
 use super::source::{Source, escaped};
 use crate::accel::Accel;
-use crate::aov::AovSet;
 use crate::film::Film;
+use crate::film::aov::AovSet;
+use crate::image::png_output::{Exposure, tone_map};
 use crate::measured::synthetic::nickel;
-use crate::png_output::{Exposure, tone_map};
 use crate::render::{Goal, Observer, RenderOptions, RunState, render};
 use crate::scene::build::{BuildOptions, FilmOverride, Scene, build_scene};
 use crate::scene::xml::parse_scene_from_str;

@@ -1,8 +1,8 @@
 //! The sheet of one material: the ball, lobes in polar coordinates, albedo over the angle, local roughness along the lobes.
 
-use super::canvas::{Area, Canvas, FONT, text_style};
 use super::curves::{INCIDENCES, Probe, Slice};
 use super::preview::{AnyError, Preview};
+use crate::plot::canvas::{Area, Canvas, FONT, text_style};
 use plotters::prelude::{
     BLACK, ChartBuilder, Color, IntoFont, LineSeries, PathElement, RGBColor, Text, WHITE,
 };

@@ -9,8 +9,8 @@ use halflight_kernel::scene::{NONE, intersect};
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn node_tests_agree() {
-    use halflight::accel::lanes::{Avx2, Lanes, Portable, Sse2};
-    use halflight::accel::node::Children;
+    use halflight::accel::single::lanes::{Avx2, Lanes, Portable, Sse2};
+    use halflight::accel::single::node::Children;
     use obvhs::cwbvh::node::CwBvhNode;
     let mut random = Random(5);
     let boxes: Vec<_> = (0..3000)
@@ -60,9 +60,9 @@ fn node_tests_agree() {
 /// slivers and coincident triangles included.
 #[test]
 fn places_agree_with_the_kernel() {
-    use halflight::accel::block::BlockHit;
-    use halflight::accel::lanes::{Lanes, Portable};
-    use halflight::accel::packed::Place;
+    use halflight::accel::build::packed::Place;
+    use halflight::accel::single::block::BlockHit;
+    use halflight::accel::single::lanes::{Lanes, Portable};
     const COUNT: usize = 24;
     let mut random = Random(11);
     let (mut hits, mut ties) = (0, 0);
@@ -128,7 +128,7 @@ fn places_agree_with_the_kernel() {
         assert_eq!(found, expected, "case {case}");
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            use halflight::accel::lanes::Avx2;
+            use halflight::accel::single::lanes::Avx2;
             let ray = Avx2::ray(origin, direction, 0.1);
             let found = Avx2::nearest(&places, mask, &ray, 20.0);
             assert_eq!(found, expected, "case {case}");

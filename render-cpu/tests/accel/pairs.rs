@@ -2,7 +2,7 @@
 
 use crate::geometry::{Geometry, Random, rays_around, world};
 use glam::Vec3;
-use halflight::accel::pairs::shared_edge;
+use halflight::accel::build::pairs::shared_edge;
 use halflight::accel::{Accel, build};
 use halflight_kernel::scene::{NONE, Triangle};
 

@@ -2,7 +2,7 @@
 
 use crate::geometry::{rays_around, world};
 use glam::Vec3;
-use halflight::accel::collapse::collapse;
+use halflight::accel::build::collapse::collapse;
 use halflight::accel::{Accel, build};
 use halflight_kernel::scene::{BvhNode, bvh2};
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;

@@ -59,7 +59,7 @@ fn killed_and_resumed(signal: &str, extra: &[&str]) {
         assert!(read(&place.path("out.exr")).channel("R").is_some());
     }
 
-    let done = halflight::checkpoint::read_checkpoint(
+    let done = halflight::film::checkpoint::read_checkpoint(
         &mut std::fs::File::open(&checkpoint).expect("the checkpoint"),
         std::fs::metadata(&checkpoint).expect("its length").len(),
         &checkpoint,

@@ -108,6 +108,6 @@ impl Place {
 }
 
 /// Reads an image.
-pub fn read(path: &Path) -> halflight::image_io::ExrImage {
-    halflight::image_io::read_exr(path).expect("an image")
+pub fn read(path: &Path) -> halflight::image::ExrImage {
+    halflight::image::read_exr(path).expect("an image")
 }

@@ -2,7 +2,7 @@
 
 use crate::bitmap;
 use exr::prelude::*;
-use halflight::image_io::Texels;
+use halflight::image::Texels;
 use image::ImageFormat;
 use std::io::{Cursor, Write};
 

@@ -3,7 +3,7 @@
 use crate::bitmap_files::{encoded, png_by_hand, test_rgba};
 use crate::exr_files::{encodings, write};
 use crate::{bitmap, read};
-use halflight::image_io::Texels;
+use halflight::image::Texels;
 use image::ImageFormat;
 use proptest::prelude::{ProptestConfig, any, prop, proptest};
 use std::sync::LazyLock;

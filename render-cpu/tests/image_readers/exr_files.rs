@@ -2,7 +2,7 @@
 
 use crate::read;
 use exr::prelude::*;
-use halflight::image_io::ExrImage;
+use halflight::image::ExrImage;
 use std::io::Cursor;
 
 fn plane(width: usize, height: usize, seed: f32) -> Vec<f32> {

@@ -4,7 +4,7 @@ mod bitmap_files;
 mod damaged;
 mod exr_files;
 
-use halflight::image_io::{Bitmap, ExrImage, read_bitmap, read_exr_bytes};
+use halflight::image::{Bitmap, ExrImage, read_bitmap, read_exr_bytes};
 use std::path::Path;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<ExrImage, String> {

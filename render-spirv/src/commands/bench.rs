@@ -1,13 +1,13 @@
 //! `halflight-gpu bench`: the speed of a device on a scene, beside that of the processor.
 
 use super::{DeviceArgs, check_validation};
-use crate::sampling::DeviceSampling;
+use crate::device_backend::DeviceBackend;
 use clap::Args;
 use halflight::accel::Accel;
-use halflight::aov::AovSet;
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
-use halflight::render::{Goal, RenderOptions, Sampling, ThreadSampling};
+use halflight::film::aov::AovSet;
+use halflight::render::{Backend, CpuBackend, Goal, RenderOptions};
 use halflight::scene::build::Scene;
 use halflight_kernel::math::Ray;
 use halflight_kernel::sampler::AnySampler;
@@ -47,23 +47,23 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         adaptive: false,
     };
     let start = Instant::now();
-    let mut sampling = DeviceSampling::new(&device, &scene, &accel, &options, false)?;
+    let mut backend = DeviceBackend::new(&device, &scene, &accel, &options, false)?;
     let ready = start.elapsed().as_secs_f64();
     let [width, height] = scene.tables.camera.crop_size;
-    let measure = |sampling: &mut dyn Sampling| {
+    let measure = |backend: &mut dyn Backend| {
         let mut film = Film::new(width, height, [0, 0], AovSet::NONE)?;
         // The first pass finds the size of the slices.
-        sampling.pass(&mut film, 1, None)?;
+        backend.pass(&mut film, 1, None)?;
         let before = film.total_samples();
         let start = Instant::now();
         while start.elapsed().as_secs_f64() < args.seconds {
-            sampling.pass(&mut film, 1, None)?;
+            backend.pass(&mut film, 1, None)?;
         }
         let samples = film.total_samples() - before;
         Ok::<f64, Box<dyn Error + Send + Sync>>(samples as f64 / start.elapsed().as_secs_f64())
     };
-    let on_device = measure(&mut sampling)?;
-    let on_cpu = measure(&mut ThreadSampling {
+    let on_device = measure(&mut backend)?;
+    let on_cpu = measure(&mut CpuBackend {
         scene: &scene,
         accel: &accel,
         options: &options,
@@ -81,7 +81,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         on_device * 1e-6,
         on_device * rays * 1e-6,
         mebibytes(device.peak_memory_used()),
-        mebibytes(sampling.scene_bytes())
+        mebibytes(backend.scene_bytes())
     );
     println!(
         "  processor, {} threads: {:.3} Msamples/s, {:.2} Mrays/s",

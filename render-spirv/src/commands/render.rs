@@ -1,7 +1,7 @@
 //! `halflight-gpu render`: what `halflight render` does, on a Vulkan device.
 
 use super::{DeviceArgs, check_validation};
-use crate::sampling::DeviceSampling;
+use crate::device_backend::DeviceBackend;
 use clap::Args;
 use halflight::commands::render::{RenderArgs, run_with};
 use halflight::render::render_with;
@@ -36,7 +36,7 @@ pub fn run(args: &GpuRenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error 
         device.limit_memory(bytes);
     }
     let code = run_with(&args.render, quiet, |job, film, state, stop, observer| {
-        let mut sampling = DeviceSampling::new(
+        let mut backend = DeviceBackend::new(
             &device,
             job.scene,
             job.accel,
@@ -44,9 +44,9 @@ pub fn run(args: &GpuRenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error 
             film.aovs().needs_surface(),
         )?;
         if let Some(layers) = args.simulate_device_loss {
-            sampling.simulate_loss_after(layers);
+            backend.simulate_loss_after(layers);
         }
-        render_with(&mut sampling, job.options, film, state, stop, observer)
+        render_with(&mut backend, job.options, film, state, stop, observer)
     })?;
     check_validation(&device)?;
     Ok(code)

@@ -1,11 +1,11 @@
 //! One image by the device and by the processor, with the same random numbers.
 
-use halflight::aov::AovSet;
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
-use halflight::render::{Goal, RenderOptions, Sampling, ThreadSampling};
+use halflight::film::aov::AovSet;
+use halflight::render::{Backend, CpuBackend, Goal, RenderOptions};
 use halflight::scene::build::Scene;
-use halflight_spirv::sampling::DeviceSampling;
+use halflight_spirv::device_backend::DeviceBackend;
 use halflight_spirv::vulkan::Device;
 use std::path::Path;
 use std::sync::Arc;
@@ -78,17 +78,17 @@ pub fn compare(device: &Arc<Device>, scene: &Scene, spp: u32) -> Result<Differen
     let [width, height] = scene.tables.camera.crop_size;
     let film = || Film::new(width, height, [0, 0], AovSet::NONE).expect("a small film");
     let start = Instant::now();
-    let mut sampling =
-        DeviceSampling::new(device, scene, &accel, &options, false).map_err(|e| e.to_string())?;
+    let mut backend =
+        DeviceBackend::new(device, scene, &accel, &options, false).map_err(|e| e.to_string())?;
     let ready = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let mut on_device = film();
-    sampling
+    backend
         .pass(&mut on_device, spp, None)
         .map_err(|e| format!("{e}"))?;
     let seconds = start.elapsed().as_secs_f64();
     let mut on_cpu = film();
-    ThreadSampling {
+    CpuBackend {
         scene,
         accel: &accel,
         options: &options,

@@ -11,7 +11,7 @@ use halflight_kernel::math::Frame;
 use halflight_spirv::probe::chains::{
     ChainInput, ROWS, SolveInput, VERTICES, VertexInput, constraint, measure, solve,
 };
-use halflight_spirv::probing::Probe;
+use halflight_spirv::probe_runner::Probe;
 
 fn between(random: &mut Random, from: f32, to: f32) -> f32 {
     from + (to - from) * random.next_1d()

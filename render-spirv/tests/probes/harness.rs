@@ -2,7 +2,7 @@
 
 use super::tolerance::tolerance;
 use bytemuck::{NoUninit, Pod};
-use halflight_spirv::probing::Probe;
+use halflight_spirv::probe_runner::Probe;
 use std::fmt::Debug;
 
 /// Inputs of each probe.

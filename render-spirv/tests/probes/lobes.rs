@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::{Lobe, lobe, mode};
 use halflight_kernel::scene::{NONE, distribution, features, lobe_flag, lobe_kind};
 use halflight_spirv::probe::lobes::{CoatInput, LobeInput, LobeOutput, bounds, sample, value};
-use halflight_spirv::probing::Probe;
+use halflight_spirv::probe_runner::Probe;
 use std::time::Duration;
 
 /// The records of the lobes that the statistical tests go through, and their tables one after the other.

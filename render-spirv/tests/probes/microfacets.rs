@@ -5,7 +5,7 @@ use super::harness::{COUNT, assert_none, compare, module};
 use super::kernel_common::Random;
 use super::random::{powers, uniform, unit, upper};
 use halflight_spirv::probe::microfacets::{MicrofacetInput, evaluate, microfacet};
-use halflight_spirv::probing::Probe;
+use halflight_spirv::probe_runner::Probe;
 
 /// A distribution of a kind, and a normal that it may well have.
 fn input(kind: u32, random: &mut Random) -> MicrofacetInput {

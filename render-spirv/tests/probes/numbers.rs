@@ -7,7 +7,7 @@ use super::random::{powers, signed, uniform};
 use halflight_kernel::math::filter;
 use halflight_kernel::scene::filter_kind;
 use halflight_spirv::probe::numbers::{NumberInput, evaluate, number};
-use halflight_spirv::probing::Probe;
+use halflight_spirv::probe_runner::Probe;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
 fn numbers(x: &[f32]) -> NumberInput {

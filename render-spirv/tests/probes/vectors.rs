@@ -6,7 +6,7 @@ use super::kernel_common::Random;
 use super::random::{direction, powers, uniform, unit};
 use glam::Vec2;
 use halflight_spirv::probe::vectors::{VectorInput, evaluate, vector};
-use halflight_spirv::probing::Probe;
+use halflight_spirv::probe_runner::Probe;
 
 /// A point of the disk: the centre, near the rim, or anywhere.
 fn disk(random: &mut Random) -> [f32; 2] {

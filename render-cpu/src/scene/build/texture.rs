@@ -1,7 +1,7 @@
 //! Textures and the parameters that take them.
 
 use super::Builder;
-use crate::image_io::{Bitmap, Texels, load_bitmap};
+use crate::image::{Bitmap, Texels, load_bitmap};
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{ColorSource, FloatSource, Object, ObjectKind};

@@ -1,0 +1,358 @@
+//! The film: running statistics of every pixel.
+//!
+//! Filter importance sampling makes each pixel an estimator of its own (Ernst, Stamminger and Greiner 2006): sample
+//! positions follow |f| of the reconstruction filter and carry the sign of f and its normalisation as a weight, so no
+//! sample reaches a neighbour, pixels are statistically independent, and the variance of each mean can be estimated.
+//!
+//! Invariants that tests check: a film depends on the order of the samples within a pixel and on nothing else, so
+//! tiles, threads and interruptions leave it bit-identical; two films merge to the film of all samples up to rounding.
+
+pub mod adaptive;
+pub mod aov;
+pub mod checkpoint;
+mod pixel_statistics;
+
+use aov::{Aov, AovSample, AovSet};
+use glam::Vec3;
+
+pub use pixel_statistics::{PixelStatistics, luminance};
+
+/// Why a film cannot be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FilmError {
+    /// A side is zero.
+    #[error("an image of {0} x {1} pixels has no pixel")]
+    Empty(u32, u32),
+    /// More pixels than are sensible or than memory holds.
+    #[error("an image of {0} x {1} pixels does not fit into memory")]
+    TooLarge(u32, u32),
+}
+
+/// Statistics of all pixels of an image or of a crop of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    crop_offset: [u32; 2],
+    aovs: AovSet,
+    statistics: Vec<PixelStatistics>,
+    /// Sums of the enabled output variables, `aovs.accumulators()` numbers per pixel.
+    aov_sums: Vec<f64>,
+}
+
+impl Film {
+    /// Most pixels of a film: 2^30, a square of 32768.
+    pub const MAX_PIXELS: u64 = 1 << 30;
+
+    /// A black film of `width` x `height` pixels whose first pixel is `crop_offset` of the whole image.
+    ///
+    /// # Errors
+    /// If the film is empty or cannot be allocated.
+    pub fn new(
+        width: u32,
+        height: u32,
+        crop_offset: [u32; 2],
+        aovs: AovSet,
+    ) -> Result<Self, FilmError> {
+        if width == 0 || height == 0 {
+            return Err(FilmError::Empty(width, height));
+        }
+        let too_large = || FilmError::TooLarge(width, height);
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels > Self::MAX_PIXELS {
+            return Err(too_large());
+        }
+        let pixels = usize::try_from(pixels).map_err(|_| too_large())?;
+        let sums = pixels
+            .checked_mul(aovs.accumulators())
+            .ok_or_else(too_large)?;
+        let mut statistics = Vec::new();
+        statistics
+            .try_reserve_exact(pixels)
+            .map_err(|_| too_large())?;
+        statistics.resize(pixels, PixelStatistics::default());
+        let mut aov_sums = Vec::new();
+        aov_sums.try_reserve_exact(sums).map_err(|_| too_large())?;
+        aov_sums.resize(sums, 0.0);
+        Ok(Self {
+            width,
+            height,
+            crop_offset,
+            aovs,
+            statistics,
+            aov_sums,
+        })
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Position of the film's first pixel in the whole image.
+    pub fn crop_offset(&self) -> [u32; 2] {
+        self.crop_offset
+    }
+
+    /// Output variables of the film.
+    pub fn aovs(&self) -> AovSet {
+        self.aovs
+    }
+
+    /// Statistics of all pixels, by rows.
+    pub fn statistics(&self) -> &[PixelStatistics] {
+        &self.statistics
+    }
+
+    /// Sums of the enabled output variables, `aovs().accumulators()` numbers per pixel, by rows.
+    pub fn aov_sums(&self) -> &[f64] {
+        &self.aov_sums
+    }
+
+    /// Both raw buffers, for a reader that restores a film.
+    pub(crate) fn buffers_mut(&mut self) -> (&mut [PixelStatistics], &mut [f64]) {
+        (&mut self.statistics, &mut self.aov_sums)
+    }
+
+    /// Index of a pixel of the film in its buffers.
+    fn index(&self, x: u32, y: u32) -> usize {
+        assert!(
+            x < self.width && y < self.height,
+            "pixel ({x}, {y}) is outside of {} x {}",
+            self.width,
+            self.height
+        );
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// Statistics of one pixel; coordinates are relative to the crop.
+    ///
+    /// # Panics
+    /// If the pixel is outside of the film.
+    pub fn pixel(&self, x: u32, y: u32) -> &PixelStatistics {
+        &self.statistics[self.index(x, y)]
+    }
+
+    /// One pixel to add samples to; coordinates are relative to the crop.
+    ///
+    /// # Panics
+    /// If the pixel is outside of the film.
+    pub fn pixel_mut(&mut self, x: u32, y: u32) -> PixelMut<'_> {
+        let i = self.index(x, y);
+        let n = self.aovs.accumulators();
+        PixelMut {
+            statistics: &mut self.statistics[i],
+            aov_sums: &mut self.aov_sums[i * n..(i + 1) * n],
+            aovs: self.aovs,
+        }
+    }
+
+    /// Cuts the film into square tiles that can be worked on at the same time, in row order of the tiles.
+    ///
+    /// # Panics
+    /// If `size` is zero.
+    pub fn tiles_mut(&mut self, size: u32) -> Vec<FilmTile<'_>> {
+        assert!(size > 0, "tiles need a size");
+        let aovs = self.aovs;
+        let n = aovs.accumulators();
+        let width = self.width as usize;
+        let across = width.div_ceil(size as usize);
+        let mut tiles: Vec<FilmTile<'_>> = Vec::new();
+        let mut sums = self.aov_sums.as_mut_slice();
+        for (y, row) in self.statistics.chunks_mut(width).enumerate() {
+            let (mut row_sums, rest) = sums.split_at_mut(width * n);
+            sums = rest;
+            if y % size as usize == 0 {
+                for tile in 0..across {
+                    let x = tile as u32 * size;
+                    tiles.push(FilmTile {
+                        x,
+                        y: y as u32,
+                        width: size.min(self.width - x),
+                        aovs,
+                        rows: Vec::new(),
+                    });
+                }
+            }
+            let band = tiles.len() - across;
+            for (tile, statistics) in row.chunks_mut(size as usize).enumerate() {
+                let (aov_sums, rest) = row_sums.split_at_mut(statistics.len() * n);
+                row_sums = rest;
+                tiles[band + tile].rows.push((statistics, aov_sums));
+            }
+        }
+        tiles
+    }
+
+    /// Mean radiance of every pixel, by rows.
+    pub fn mean(&self) -> Vec<[f64; 3]> {
+        self.statistics.iter().map(|p| p.mean).collect()
+    }
+
+    /// Estimated variance of the mean of every pixel, by rows.
+    pub fn variance_of_mean(&self) -> Vec<[f64; 3]> {
+        self.statistics
+            .iter()
+            .map(PixelStatistics::variance_of_mean)
+            .collect()
+    }
+
+    /// Mean of one channel of an output variable over the samples of a pixel; zero where there is no sample.
+    /// Output variables are plain means over the sample positions: the signs of a filter would only add noise.
+    pub fn aov_mean(&self, aov: Aov, channel: usize, pixel: usize) -> f64 {
+        let statistics = &self.statistics[pixel];
+        match aov {
+            Aov::Variance => statistics.variance_of_mean()[channel],
+            Aov::Samples => f64::from(statistics.count),
+            _ if !self.aovs.contains(aov) || statistics.count == 0 => 0.0,
+            _ => {
+                self.aov_sums[pixel * self.aovs.accumulators() + self.aovs.offset(aov) + channel]
+                    / f64::from(statistics.count)
+            }
+        }
+    }
+
+    /// Samples of all pixels together.
+    pub fn total_samples(&self) -> u64 {
+        self.statistics.iter().map(|p| u64::from(p.count)).sum()
+    }
+
+    /// Samples of all pixels together that were not finite.
+    pub fn total_rejected(&self) -> u64 {
+        self.statistics.iter().map(|p| u64::from(p.rejected)).sum()
+    }
+
+    /// The noise that is left, as one number for a progress display: the average over the pixels of the standard
+    /// deviation of the mean luminance over that luminance (at least 0.01), each at most 1, so that a few pixels with
+    /// rare bright samples do not drown the rest. 1 where nothing is known yet.
+    pub fn relative_noise(&self) -> f64 {
+        let mut sum = 0.0;
+        for p in &self.statistics {
+            sum += if p.count < 2 {
+                1.0
+            } else {
+                (p.luminance_variance_of_mean().sqrt() / luminance(p.mean).max(0.01)).min(1.0)
+            };
+        }
+        sum / self.statistics.len() as f64
+    }
+
+    /// Adds the samples of another film of the same layout.
+    ///
+    /// # Panics
+    /// If size, crop or output variables differ.
+    pub fn merge(&mut self, other: &Self) {
+        assert!(
+            (self.width, self.height, self.crop_offset, self.aovs)
+                == (other.width, other.height, other.crop_offset, other.aovs),
+            "films of different layout do not merge"
+        );
+        for (a, b) in self.statistics.iter_mut().zip(&other.statistics) {
+            a.merge(b);
+        }
+        for (a, b) in self.aov_sums.iter_mut().zip(&other.aov_sums) {
+            *a += b;
+        }
+    }
+}
+
+/// One pixel of a film, to add samples to.
+#[derive(Debug)]
+pub struct PixelMut<'a> {
+    /// Radiance statistics of the pixel.
+    pub statistics: &'a mut PixelStatistics,
+    aov_sums: &'a mut [f64],
+    aovs: AovSet,
+}
+
+impl PixelMut<'_> {
+    /// Adds one radiance sample, already multiplied by its signed filter weight.
+    #[inline]
+    pub fn add_sample(&mut self, radiance: Vec3) {
+        self.statistics.add(radiance);
+    }
+
+    /// Adds radiance samples, one after the other.
+    pub fn add_samples(&mut self, radiance: &[Vec3]) {
+        // A copy, so that sums of one sample need not be stored for the next.
+        let mut statistics = *self.statistics;
+        for &sample in radiance {
+            statistics.add(sample);
+        }
+        *self.statistics = statistics;
+    }
+
+    /// Adds the surface features of one sample; call it once per [`Self::add_sample`] if
+    /// [`AovSet::needs_surface`]. Features that are not finite count as zero.
+    pub fn add_aovs(&mut self, sample: &AovSample) {
+        let mut at = 0;
+        for aov in self.aovs.iter() {
+            let values: &[f32] = match aov {
+                Aov::Albedo => &sample.albedo,
+                Aov::Normal => &sample.normal,
+                Aov::Depth => std::slice::from_ref(&sample.depth),
+                Aov::Position => &sample.position,
+                Aov::Uv => &sample.uv,
+                Aov::Variance | Aov::Samples => &[],
+            };
+            for &value in values {
+                if value.is_finite() {
+                    self.aov_sums[at] += f64::from(value);
+                }
+                at += 1;
+            }
+        }
+    }
+}
+
+/// A rectangle of a film that one thread works on.
+#[derive(Debug)]
+pub struct FilmTile<'a> {
+    x: u32,
+    y: u32,
+    width: u32,
+    aovs: AovSet,
+    rows: Vec<(&'a mut [PixelStatistics], &'a mut [f64])>,
+}
+
+impl FilmTile<'_> {
+    /// First column of the tile within the film.
+    pub fn x(&self) -> u32 {
+        self.x
+    }
+
+    /// First row of the tile within the film.
+    pub fn y(&self) -> u32 {
+        self.y
+    }
+
+    /// Width in pixels; the last tile of a row may be narrower.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels; the tiles of the last row may be lower.
+    pub fn height(&self) -> u32 {
+        self.rows.len() as u32
+    }
+
+    /// One pixel to add samples to; coordinates are relative to the film, as those of [`Film::pixel_mut`].
+    ///
+    /// # Panics
+    /// If the pixel is outside of the tile.
+    pub fn pixel_mut(&mut self, x: u32, y: u32) -> PixelMut<'_> {
+        let i = (x - self.x) as usize;
+        let n = self.aovs.accumulators();
+        let (statistics, aov_sums) = &mut self.rows[(y - self.y) as usize];
+        PixelMut {
+            statistics: &mut statistics[i],
+            aov_sums: &mut aov_sums[i * n..(i + 1) * n],
+            aovs: self.aovs,
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Samples taken by all threads of the processor: a pass cut into tiles of the film.
+
+use super::backend::{Backend, PassError};
+use super::options::{Outcome, RenderOptions, RunState};
+use super::run_loop::{NoObserver, Observer, render_with};
+use super::tile_job::{TileJob, Workspace};
+use crate::accel::Accel;
+use crate::film::aov::AovSet;
+use crate::film::{Film, FilmError};
+use crate::processor;
+use crate::scene::build::Scene;
+use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::IntegratorSettings;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
+
+/// Side of the square of pixels that a thread takes at a time.
+const TILE: u32 = 16;
+
+/// Renders a scene from nothing to its goal: the short way for library users.
+///
+/// # Errors
+/// If the film cannot be made.
+pub fn render_film(
+    scene: &Scene,
+    options: &RenderOptions,
+    aovs: AovSet,
+) -> Result<Film, FilmError> {
+    let camera = &scene.tables.camera;
+    let [width, height] = camera.crop_size;
+    let mut film = Film::new(width, height, camera.crop_offset, aovs)?;
+    let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+    let mut state = RunState::default();
+    let never = AtomicBool::new(false);
+    // Nothing else can fail: the observer does not.
+    let _ = render(
+        scene,
+        &accel,
+        options,
+        &mut film,
+        &mut state,
+        &never,
+        &mut NoObserver,
+    );
+    Ok(film)
+}
+
+/// Renders passes into `film` on all threads until the goal or until `stop` is set.
+///
+/// # Errors
+/// What the observer returned; the film is complete up to the last pass.
+pub fn render(
+    scene: &Scene,
+    accel: &Accel,
+    options: &RenderOptions,
+    film: &mut Film,
+    state: &mut RunState,
+    stop: &AtomicBool,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, PassError> {
+    let mut threads = CpuBackend {
+        scene,
+        accel,
+        options,
+    };
+    render_with(&mut threads, options, film, state, stop, observer)
+}
+
+/// Samples taken by all threads of the processor.
+pub struct CpuBackend<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its ray tracer.
+    pub accel: &'a Accel,
+    /// Seed and first sample.
+    pub options: &'a RenderOptions,
+}
+
+impl Backend for CpuBackend<'_> {
+    fn pass(
+        &mut self,
+        film: &mut Film,
+        per_pixel: u32,
+        counts: Option<&[u32]>,
+    ) -> Result<(), PassError> {
+        let tables = self.scene.tables.view();
+        let traverse = self.accel.traverse(tables);
+        let view = SceneView {
+            tables,
+            traverse: &traverse,
+        };
+        render_pass(
+            &view,
+            &self.scene.settings,
+            self.scene.sampler,
+            self.options,
+            film,
+            per_pixel,
+            counts,
+        );
+        Ok(())
+    }
+}
+
+/// Adds `per_pixel` samples to every pixel, or `counts` where given.
+fn render_pass<T: Traverse + Sync>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    kind: u32,
+    options: &RenderOptions,
+    film: &mut Film,
+    per_pixel: u32,
+    counts: Option<&[u32]>,
+) {
+    let job = TileJob {
+        view,
+        settings,
+        options,
+        needs_surface: film.aovs().needs_surface(),
+        vectors: processor::vectors(),
+    };
+    // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
+    if kind == sampler_kind::SOBOL {
+        sample_tiles(&job, film, per_pixel, counts, SobolSampler::new);
+    } else {
+        sample_tiles(&job, film, per_pixel, counts, IndependentSampler::new);
+    }
+}
+
+/// [`render_pass`] with a sampler of (seed, pixel, sample).
+fn sample_tiles<T: Traverse + Sync, S: LaneSampler + Send>(
+    job: &TileJob<'_, T>,
+    film: &mut Film,
+    per_pixel: u32,
+    counts: Option<&[u32]>,
+    new: impl Fn(u32, u32, u32) -> S + Sync,
+) {
+    let width = film.width();
+    let count = |x: u32, y: u32| match counts {
+        Some(counts) => counts[y as usize * width as usize + x as usize],
+        None => per_pixel,
+    };
+    // As many as there are threads, however finely the work is divided.
+    let idle = Mutex::new(Vec::new());
+    film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
+        let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let workspace = lock().pop();
+        let mut workspace = workspace.unwrap_or_else(Workspace::new);
+        job.sample_tile(&mut workspace, &mut tile, count, &new);
+        lock().push(workspace);
+    });
+}

@@ -1,0 +1,16 @@
+//! From a scene to a film: the run loop, what takes its samples, and what tells about its progress.
+//!
+//! [`run_loop`] asks a [`Backend`] for passes of samples until a [`Goal`] is reached; [`CpuBackend`] takes them on all
+//! threads, a tile of the film at a time (`tile_job`).
+
+mod backend;
+mod cpu_backend;
+mod options;
+pub mod progress;
+pub mod run_loop;
+mod tile_job;
+
+pub use backend::{Backend, PassError};
+pub use cpu_backend::{CpuBackend, render, render_film};
+pub use options::{Goal, Outcome, RenderOptions, RunState};
+pub use run_loop::{NoObserver, Observer, render_with};

@@ -1,0 +1,122 @@
+//! The render loop: passes of samples over the film until a goal is reached.
+//!
+//! A sample is a function of (seed, pixel, sample index) and pixels do not share anything, so the film after a given
+//! number of samples is the same to the last bit for any number of threads and any interruptions. Work is cut into
+//! passes; between two passes the loop saves checkpoints, looks at the clock and at the request to stop, and, in
+//! adaptive runs, decides how many samples each pixel gets next, a function of the film alone.
+
+use super::backend::{Backend, PassError};
+use super::options::{Goal, Outcome, RenderOptions, RunState};
+use crate::film::{Film, adaptive};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Longest time that a pass should take, so that checkpoints, clocks and Ctrl-C are heeded.
+const PASS_SECONDS: f64 = 2.0;
+
+/// What the loop tells about between two passes.
+pub trait Observer {
+    /// Called after every pass; an error ends the run and is handed to the caller.
+    ///
+    /// # Errors
+    /// Whatever makes going on useless, such as a checkpoint that cannot be written.
+    fn after_pass(
+        &mut self,
+        state: &RunState,
+        film: &Film,
+    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
+}
+
+/// An observer that looks away.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoObserver;
+
+impl Observer for NoObserver {
+    fn after_pass(
+        &mut self,
+        _: &RunState,
+        _: &Film,
+    ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(())
+    }
+}
+
+/// Renders passes of `backend` into `film` until the goal or until `stop` is set.
+///
+/// # Errors
+/// What a pass or the observer returned; the film is complete up to the last layer of samples.
+pub fn render_with(
+    backend: &mut dyn Backend,
+    options: &RenderOptions,
+    film: &mut Film,
+    state: &mut RunState,
+    stop: &AtomicBool,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, PassError> {
+    let start = Instant::now();
+    let seconds_before = state.seconds;
+    let mut seconds_per_sample = None;
+    loop {
+        let elapsed = start.elapsed();
+        let left = match options.goal {
+            Goal::Samples(n) => n.saturating_sub(state.samples),
+            Goal::Time(limit) => {
+                if elapsed >= limit {
+                    0
+                } else {
+                    u32::MAX - options.first_sample - state.samples
+                }
+            }
+        };
+        if left == 0 {
+            return Ok(Outcome::Finished);
+        }
+        if stop.load(Ordering::Relaxed) {
+            return Ok(Outcome::Interrupted);
+        }
+        let per_pixel = if options.adaptive {
+            // Where adaptive passes begin decides the image, so their size may not depend on the clock.
+            adaptive_pass_size(state.samples).min(left)
+        } else {
+            let budget = match options.goal {
+                Goal::Time(limit) => (limit - elapsed).as_secs_f64().min(PASS_SECONDS),
+                Goal::Samples(_) => PASS_SECONDS,
+            };
+            pass_size(seconds_per_sample, budget).min(left)
+        };
+        let counts = options
+            .adaptive
+            .then(|| adaptive::next_sample_counts(film, per_pixel));
+        let pass_start = Instant::now();
+        let pass = backend.pass(film, per_pixel, counts.as_deref());
+        if pass.is_err() && !options.adaptive {
+            // A pass that broke off may have added some layers.
+            let least = film.statistics().iter().map(|p| p.count).min();
+            state.samples = least.unwrap_or(state.samples);
+            state.seconds = seconds_before + start.elapsed().as_secs_f64();
+        }
+        pass?;
+        seconds_per_sample = Some(pass_start.elapsed().as_secs_f64() / f64::from(per_pixel));
+        state.passes += 1;
+        state.samples += per_pixel;
+        state.seconds = seconds_before + start.elapsed().as_secs_f64();
+        observer.after_pass(state, film)?;
+    }
+}
+
+/// Samples per pixel of a pass that takes about `budget` seconds.
+fn pass_size(seconds_per_sample: Option<f64>, budget: f64) -> u32 {
+    match seconds_per_sample {
+        None => 1,
+        Some(cost) => (budget / cost.max(1e-9)).clamp(1.0, 64.0) as u32,
+    }
+}
+
+/// Uniform passes until the statistics say something, then passes of an eighth of what is there.
+fn adaptive_pass_size(samples: u32) -> u32 {
+    if samples < adaptive::UNIFORM_SAMPLES {
+        adaptive::UNIFORM_SAMPLES - samples
+    } else {
+        (samples / 8).clamp(4, 64)
+    }
+}

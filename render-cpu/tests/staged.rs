@@ -46,12 +46,12 @@ fn in_stages<T: Traverse>(
         staged::trace(view, &mut path);
         staged::arrive(tables, settings, &mut path);
         let samples = |count| if settings.kind == DIRECT { count } else { 1 };
-        for _ in 0..samples(settings.emitter_samples) {
+        for _ in 0..samples(settings.direct.emitter_samples) {
             staged::light(tables, &mut path);
             staged::evaluate(tables, settings, &mut path);
             staged::shadow(view, &mut path);
         }
-        for _ in 0..samples(settings.bsdf_samples) {
+        for _ in 0..samples(settings.direct.bsdf_samples) {
             staged::sample(tables, &mut path);
             staged::mix(tables, &mut path);
             if settings.kind != DIRECT {

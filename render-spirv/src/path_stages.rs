@@ -124,10 +124,10 @@ impl Stages {
             items.write(&alive);
             if self.settings.kind == integrator_kind::DIRECT {
                 self.run(dispatch, &alive, &[TRACE, ARRIVE], 0)?;
-                for _ in 0..self.settings.emitter_samples {
+                for _ in 0..self.settings.direct.emitter_samples {
                     self.run(dispatch, &alive, &[LIGHT, EVALUATE, SHADOW], 0)?;
                 }
-                for _ in 0..self.settings.bsdf_samples {
+                for _ in 0..self.settings.direct.bsdf_samples {
                     self.run(dispatch, &alive, &[SAMPLE, MIX], 0)?;
                     self.branch(dispatch, &alive, items, results, radiance)?;
                 }

@@ -19,7 +19,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
     ray: &Ray,
 ) -> Rgb {
     let hit = view.traverse.closest_hit(ray);
-    if !hit.is_hit() || settings.occlusion_samples == 0 {
+    if !hit.is_hit() || settings.occlusion.samples == 0 {
         return Rgb::ZERO;
     }
     let point = surface_with::<{ detail::TANGENTS }>(&view.tables, ray, &hit);
@@ -29,7 +29,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
         1.0
     };
     let mut open = 0.0;
-    for _ in 0..settings.occlusion_samples {
+    for _ in 0..settings.occlusion.samples {
         let local = square_to_cosine_hemisphere(sampler.next_2d());
         let direction = point.frame.to_world(local * side);
         // A shading normal may point a ray into its own surface; that part of the hemisphere is closed.
@@ -38,10 +38,10 @@ pub fn radiance<T: Traverse, S: Sampler>(
             continue;
         }
         let mut probe = point.spawn(direction);
-        probe.t_max = settings.occlusion_distance * view.tables.info.radius;
+        probe.t_max = settings.occlusion.distance * view.tables.info.radius;
         if !view.traverse.is_occluded(&probe) {
             open += 1.0;
         }
     }
-    Rgb::splat(open / settings.occlusion_samples as f32)
+    Rgb::splat(open / settings.occlusion.samples as f32)
 }

@@ -24,8 +24,8 @@ impl SampleCounts {
     #[inline]
     pub fn of(settings: &IntegratorSettings) -> SampleCounts {
         SampleCounts {
-            emitter: settings.emitter_samples as f32,
-            bsdf: settings.bsdf_samples as f32,
+            emitter: settings.direct.emitter_samples as f32,
+            bsdf: settings.direct.bsdf_samples as f32,
         }
     }
 }
@@ -56,7 +56,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
         let wi = path.local_direction(&point);
         let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
         if bsdf.has_smooth() {
-            for _ in 0..settings.emitter_samples {
+            for _ in 0..settings.direct.emitter_samples {
                 let light = connect(
                     tables,
                     sampler,
@@ -72,7 +72,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
                 }
             }
         }
-        for _ in 0..settings.bsdf_samples {
+        for _ in 0..settings.direct.bsdf_samples {
             let mut branch = Path::new(&path.ray);
             let u1 = sampler.next_1d();
             let u2 = sampler.next_2d();

@@ -8,6 +8,7 @@ pub mod aov;
 pub mod connection;
 pub mod direct;
 pub mod path;
+pub mod settings;
 pub mod staged;
 pub mod visibility;
 #[cfg(not(target_arch = "spirv"))]
@@ -18,54 +19,7 @@ use crate::sampler::Sampler;
 use crate::scene::camera::{self, CameraSample};
 use crate::scene::{SceneView, Tables, Traverse};
 
-/// Which algorithm estimates a pixel.
-pub mod integrator_kind {
-    /// Unidirectional path tracing ([`super::path`]).
-    pub const PATH: u32 = 0;
-    /// Direct illumination with chosen numbers of samples ([`super::direct`]).
-    pub const DIRECT: u32 = 1;
-    /// Ambient occlusion ([`super::ambient_occlusion`]).
-    pub const AMBIENT_OCCLUSION: u32 = 2;
-}
-
-/// Parameters of the pixel estimators.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct IntegratorSettings {
-    /// One of [`integrator_kind`].
-    pub kind: u32,
-    /// Longest path in edges: 1 sees emitters, 2 adds direct illumination; [`u32::MAX`] for no limit.
-    pub max_depth: u32,
-    /// Number of edges from which paths may end at random.
-    pub rr_depth: u32,
-    /// 1 if rays from the sensor pass emitters as if they were not there.
-    pub hide_emitters: u32,
-    /// 1 if directions must lie on the same side of the geometric and the shading surface.
-    pub strict_normals: u32,
-    /// Emitter samples per sensor ray (direct illumination).
-    pub emitter_samples: u32,
-    /// BSDF samples per sensor ray (direct illumination).
-    pub bsdf_samples: u32,
-    /// Rays per sensor ray (ambient occlusion).
-    pub occlusion_samples: u32,
-    /// Longest distance that occludes, as a fraction of the scene's radius (ambient occlusion).
-    pub occlusion_distance: f32,
-}
-
-impl IntegratorSettings {
-    /// Path tracing without a depth limit, Russian roulette from the fifth edge: Mitsuba's defaults.
-    pub const PATH: IntegratorSettings = IntegratorSettings {
-        kind: integrator_kind::PATH,
-        max_depth: u32::MAX,
-        rr_depth: 5,
-        hide_emitters: 0,
-        strict_normals: 0,
-        emitter_samples: 1,
-        bsdf_samples: 1,
-        occlusion_samples: 1,
-        occlusion_distance: 0.5,
-    };
-}
+pub use settings::{IntegratorSettings, integrator_kind};
 
 /// One sample of the pixel at absolute film coordinates, times its reconstruction weight.
 ///

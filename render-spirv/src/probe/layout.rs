@@ -9,7 +9,9 @@ use halflight_kernel::scene::{
     BvhNode, Camera, CoatRecord, Emitter, FrameMap, Instance, LobeRecord, Material, Quadric,
     RgbParameter, ScalarParameter, SceneInfo, Shape, Texture, Triangle, WeightFactor,
 };
-use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::settings::{
+    BidirectionalSettings, DirectSettings, IntegratorSettings, OcclusionSettings,
+};
 
 /// Word `i` of a table. As a float it is a normal number, which no device rounds.
 pub const PATTERN: u32 = 0x4000_0000;
@@ -106,9 +108,11 @@ layouts! {
     }
     info, SceneInfo { center, radius, environment, srgb_table, flags }
     settings, IntegratorSettings {
-        kind, max_depth, rr_depth, hide_emitters, strict_normals, emitter_samples, bsdf_samples, occlusion_samples,
-        occlusion_distance
+        kind, max_depth, rr_depth, hide_emitters, strict_normals, direct, occlusion, bidirectional
     }
+    direct, DirectSettings { emitter_samples, bsdf_samples }
+    occlusion, OcclusionSettings { samples, distance }
+    bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted }
     constants, SceneConstants { camera, info, settings }
     item, WorkItem { pixel, sample, slot }
     dispatch, Dispatch { count, seed, sampler, first }

@@ -23,17 +23,18 @@ pub(super) fn build(
         settings.max_depth = depth(object, "max_depth", -1)?;
         settings.rr_depth = depth(object, "rr_depth", 5)?;
         let shading = object.get_int_in("shading_samples", 1, 0, 1 << 20)?;
-        settings.emitter_samples =
+        settings.direct.emitter_samples =
             object.get_int_in("emitter_samples", shading, 0, 1 << 20)? as u32;
-        settings.bsdf_samples = object.get_int_in("bsdf_samples", shading, 0, 1 << 20)? as u32;
+        settings.direct.bsdf_samples =
+            object.get_int_in("bsdf_samples", shading, 0, 1 << 20)? as u32;
         if object.plugin == "ao" {
-            settings.occlusion_samples =
+            settings.occlusion.samples =
                 object.get_int_in("shading_samples", 1, 1, 1 << 20)? as u32;
         }
         // Mitsuba 0.6: -1 takes half of the scene's size.
         let length = object.get_float("ray_length", -1.0)?;
         if length > 0.0 {
-            settings.occlusion_distance = length as f32;
+            settings.occlusion.distance = length as f32;
         }
     }
     settings.kind = match name.as_str() {
@@ -57,7 +58,7 @@ pub(super) fn build(
     };
     if settings.kind == integrator_kind::DIRECT {
         settings.max_depth = settings.max_depth.min(2);
-        if settings.emitter_samples + settings.bsdf_samples == 0 {
+        if settings.direct.emitter_samples + settings.direct.bsdf_samples == 0 {
             return Err(object.map_or_else(
                 || SceneError::Request("no samples".to_string()),
                 |o| o.error("needs at least one emitter or BSDF sample"),

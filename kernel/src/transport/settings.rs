@@ -1,0 +1,119 @@
+//! Parameters of the algorithms: one block that all share, and one of each algorithm's own.
+//!
+//! Plain data of 32-bit words, because shaders read them too.
+
+use crate::scene::NONE;
+use bytemuck::{Pod, Zeroable};
+
+/// Which algorithm makes the image.
+pub mod integrator_kind {
+    /// Unidirectional path tracing ([`crate::transport::path`]).
+    pub const PATH: u32 = 0;
+    /// Direct illumination with chosen numbers of samples ([`crate::transport::direct`]).
+    pub const DIRECT: u32 = 1;
+    /// Ambient occlusion ([`crate::transport::ambient_occlusion`]).
+    pub const AMBIENT_OCCLUSION: u32 = 2;
+    /// Bidirectional path tracing (`transport/bidirectional.rs`).
+    pub const BIDIRECTIONAL: u32 = 3;
+    /// Light tracing (`transport/bidirectional.rs` without camera subpaths).
+    pub const LIGHT_TRACING: u32 = 4;
+}
+
+/// How an algorithm renders: what all share, and the blocks of each.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct IntegratorSettings {
+    /// One of [`integrator_kind`].
+    pub kind: u32,
+    /// Longest path in edges: 1 sees emitters, 2 adds direct illumination; [`u32::MAX`] for no limit.
+    pub max_depth: u32,
+    /// Number of edges from which subpaths may end at random.
+    pub rr_depth: u32,
+    /// 1 if rays from the sensor pass emitters as if they were not there.
+    pub hide_emitters: u32,
+    /// 1 if directions must lie on the same side of the geometric and the shading surface.
+    pub strict_normals: u32,
+    /// Of direct illumination.
+    pub direct: DirectSettings,
+    /// Of ambient occlusion.
+    pub occlusion: OcclusionSettings,
+    /// Of bidirectional path tracing and light tracing.
+    pub bidirectional: BidirectionalSettings,
+}
+
+/// Parameters of direct illumination.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct DirectSettings {
+    /// Emitter samples per sensor ray.
+    pub emitter_samples: u32,
+    /// BSDF samples per sensor ray.
+    pub bsdf_samples: u32,
+}
+
+/// Parameters of ambient occlusion.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct OcclusionSettings {
+    /// Rays per sensor ray.
+    pub samples: u32,
+    /// Longest distance that occludes, as a fraction of the scene's radius.
+    pub distance: f32,
+}
+
+/// Parameters of the algorithms that trace subpaths from emitters.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct BidirectionalSettings {
+    /// 1 if light subpaths are connected to the lens (Mitsuba 0.6: `lightImage`).
+    pub light_image: u32,
+    /// 1 if the emitter of a camera subpath's next event estimation is sampled for the point that it lights (Mitsuba 0.6:
+    /// `sampleDirect`); otherwise it is the light subpath's own start.
+    pub sample_direct: u32,
+    /// 1 for the power heuristic with exponent two, 0 for the balance heuristic.
+    pub power_heuristic: u32,
+    /// Vertices of the light subpath in the one strategy that is shown, [`NONE`] for all.
+    pub only_s: u32,
+    /// Vertices of the camera subpath in the one strategy that is shown, [`NONE`] for all.
+    pub only_t: u32,
+    /// 1 if contributions are not weighted against those of other strategies.
+    pub unweighted: u32,
+}
+
+impl BidirectionalSettings {
+    /// All strategies, weighted by the power heuristic.
+    pub const DEFAULT: BidirectionalSettings = BidirectionalSettings {
+        light_image: 1,
+        sample_direct: 1,
+        power_heuristic: 1,
+        only_s: NONE,
+        only_t: NONE,
+        unweighted: 0,
+    };
+
+    /// Whether the image shows the strategy of `s` light and `t` camera vertices.
+    #[inline]
+    pub fn shows(&self, s: u32, t: u32) -> bool {
+        (self.only_s == NONE || self.only_s == s) && (self.only_t == NONE || self.only_t == t)
+    }
+}
+
+impl IntegratorSettings {
+    /// Path tracing without a depth limit, Russian roulette from the fifth edge: Mitsuba's defaults.
+    pub const PATH: IntegratorSettings = IntegratorSettings {
+        kind: integrator_kind::PATH,
+        max_depth: u32::MAX,
+        rr_depth: 5,
+        hide_emitters: 0,
+        strict_normals: 0,
+        direct: DirectSettings {
+            emitter_samples: 1,
+            bsdf_samples: 1,
+        },
+        occlusion: OcclusionSettings {
+            samples: 1,
+            distance: 0.5,
+        },
+        bidirectional: BidirectionalSettings::DEFAULT,
+    };
+}

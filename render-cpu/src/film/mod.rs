@@ -10,6 +10,7 @@
 pub mod adaptive;
 pub mod aov;
 pub mod checkpoint;
+pub mod exact_sum;
 mod pixel_statistics;
 
 use aov::{Aov, AovSample, AovSet};

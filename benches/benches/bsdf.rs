@@ -11,8 +11,8 @@ use halflight_kernel::bsdf::diffracting_conductor::fill_table;
 use halflight_kernel::bsdf::diffraction_table::{FineScale, WORDS};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
 use halflight_kernel::bsdf::rough_transmittance::{ROW, fill_row};
-use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, event, lobe, local_beckmann_roughness};
-use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
+use halflight_kernel::bsdf::{Bsdf, Lobe, event, lobe, local_beckmann_roughness};
+use halflight_kernel::scene::{MAX_LOBES, distribution, lobe_flag, lobe_kind};
 use std::hint::black_box;
 
 /// Pairs of directions per model.

@@ -18,6 +18,7 @@ mod spheres;
 use glam::{Mat2, Vec2, Vec3};
 use halflight_benches::Race;
 use halflight_kernel::bsdf::{Lobe, lobe};
+use halflight_kernel::manifold::disk_lobe::DiskLobe;
 use halflight_kernel::manifold::mutation::mutate;
 use halflight_kernel::manifold::step_size::{
     GAMMA, disk_proposal, image_step, slope_proposal, spectrum_weights,
@@ -27,7 +28,6 @@ use halflight_kernel::manifold::{ChainJacobian, ChainVertex, half_vector_form, v
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::block_elimination;
 use halflight_kernel::math::block_tridiagonal::BlockLu;
-use halflight_kernel::math::disk_lobe::DiskLobe;
 use halflight_kernel::math::moebius::{moebius, moebius_jacobian};
 use halflight_kernel::regularize::bounds;
 use halflight_kernel::scene::{

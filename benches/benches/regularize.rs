@@ -5,9 +5,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::{Lobe, lobe};
-use halflight_kernel::regularize::photon_statistics::laplacian_kernel;
 use halflight_kernel::regularize::{bandwidth, bounds, cone, mollifier, regularized_bsdf};
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
+use halflight_kernel::transport::photon::statistics::laplacian_kernel;
 use std::hint::black_box;
 
 const COUNT: usize = 256;

@@ -46,6 +46,8 @@ pub mod math;
 pub mod regularize;
 pub mod sampler;
 pub mod scene;
+#[cfg(not(target_arch = "spirv"))]
+pub mod simd;
 pub mod transport;
 
 /// Vectors and matrices in the release that this crate was built with, for callers that need the same types.

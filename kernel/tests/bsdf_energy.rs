@@ -7,9 +7,9 @@ use common::lobes::{case, delta_cases, incidences, mixtures, smooth_cases, white
 use common::{Random, furnace};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
-use halflight_kernel::bsdf::{Bsdf, BsdfSample, Lobe, MAX_LOBES, event, lobe, mode};
+use halflight_kernel::bsdf::{Bsdf, BsdfSample, Lobe, event, lobe, mode};
 use halflight_kernel::math::Frame;
-use halflight_kernel::scene::{lobe_flag, lobe_kind};
+use halflight_kernel::scene::{MAX_LOBES, lobe_flag, lobe_kind};
 use proptest::prelude::*;
 use std::f32::consts::TAU;
 

@@ -5,7 +5,7 @@ mod primitives;
 
 use glam::{DAffine3, Vec3};
 use halflight_kernel::math::Ray;
-use halflight_kernel::scene::checked_surface::checked_surface_at;
+use halflight_kernel::scene::surface::checked::checked_surface_at;
 use halflight_kernel::scene::{
     Hit, NONE, Quadric, Shape, Tables, Triangle, quadric_kind, shape_flag, surface_at,
 };

@@ -12,8 +12,8 @@ use halflight_kernel::bsdf::rough_transmittance::{
     ENTRIES, ROW, ROWS, boundary_transmittance, fill, fill_row, internal_reflectance,
     row_internal_reflectance, transmittance,
 };
-use halflight_kernel::bsdf::{Bsdf, Coat, Lobe, MAX_LOBES, lobe};
-use halflight_kernel::scene::{NONE, distribution, lobe_kind};
+use halflight_kernel::bsdf::{Bsdf, Coat, Lobe, lobe};
+use halflight_kernel::scene::{MAX_LOBES, NONE, distribution, lobe_kind};
 
 const TWO: [Coat; 2] = [
     Coat {

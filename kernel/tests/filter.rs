@@ -97,7 +97,7 @@ fn samples_reproduce_the_filtered_mean_on_cut_intervals() {
             let mut mean_weight = 0.0;
             for i in 0..N {
                 let u = (i as f32 + 0.5) / N as f32;
-                let (x, weight) = filter::sample(&camera, &data, lo, hi, u);
+                let (x, weight) = filter::sample(&camera.reconstruction_filter(), &data, lo, hi, u);
                 assert!(x >= lo && x <= hi);
                 mean += f64::from(weight) * g(f64::from(x)) / f64::from(N);
                 mean_weight += f64::from(weight) / f64::from(N);
@@ -123,7 +123,7 @@ proptest! {
         let (kind, parameters) = FILTERS[which];
         let (camera, data) = with_filter(kind, parameters);
         let r = filter::radius(kind, parameters);
-        let (_, weight) = filter::sample(&camera, &data, lo.max(-r), hi.min(r), u);
+        let (_, weight) = filter::sample(&camera.reconstruction_filter(), &data, lo.max(-r), hi.min(r), u);
         prop_assert_eq!(weight, 1.0);
     }
 
@@ -133,7 +133,7 @@ proptest! {
         let (camera, data) = with_filter(kind, parameters);
         let r = filter::radius(kind, parameters);
         let (lo, hi) = (lo.clamp(-r, r), hi.clamp(-r, r));
-        let (x, weight) = filter::sample(&camera, &data, lo.min(hi), hi.max(lo), u);
+        let (x, weight) = filter::sample(&camera.reconstruction_filter(), &data, lo.min(hi), hi.max(lo), u);
         prop_assert!(x.is_finite() && weight.is_finite());
     }
 }
@@ -141,6 +141,12 @@ proptest! {
 #[test]
 fn without_a_table_a_filter_is_even() {
     let scene = Scene::new();
-    let (x, weight) = filter::sample(&scene.camera, &scene.data, -0.5, 0.5, 0.25);
+    let (x, weight) = filter::sample(
+        &scene.camera.reconstruction_filter(),
+        &scene.data,
+        -0.5,
+        0.5,
+        0.25,
+    );
     assert_eq!((x, weight), (-0.25, 1.0));
 }

@@ -7,9 +7,9 @@ use common::measured::table_of;
 use common::{Random, direction_at};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::local_roughness::{DIFFUSE_ROUGHNESS, falloff_by_differences};
-use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, lobe, local_beckmann_roughness};
+use halflight_kernel::bsdf::{Bsdf, Lobe, lobe, local_beckmann_roughness};
 use halflight_kernel::math::luminance;
-use halflight_kernel::scene::{distribution, lobe_kind};
+use halflight_kernel::scene::{MAX_LOBES, distribution, lobe_kind};
 
 fn bsdf(parts: &[Lobe], wi: Vec3) -> Bsdf {
     let mut lobes = [Lobe::NONE; MAX_LOBES];

@@ -6,9 +6,9 @@ mod primitives;
 
 use common::Random;
 use glam::{DVec2, Vec2};
-use halflight_kernel::math::disk_lobe::{DiskLobe, exponent_of_deviation, turn, turn_back};
+use halflight_kernel::manifold::disk_lobe::{DiskLobe, exponent_of_deviation, turn, turn_back};
+use halflight_kernel::manifold::slope_gaussian::SlopeGaussian;
 use halflight_kernel::math::moebius::{moebius, moebius_jacobian};
-use halflight_kernel::math::slope_gaussian::SlopeGaussian;
 use primitives::runner;
 use proptest::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};

@@ -12,8 +12,8 @@ use common::lobes::{conductor, white};
 use common::oracle::{Row, relative_error, rows};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::{fresnel_dielectric, fresnel_diffuse_reflectance};
-use halflight_kernel::bsdf::{Bsdf, Coat, Lobe, MAX_LOBES, lobe};
-use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
+use halflight_kernel::bsdf::{Bsdf, Coat, Lobe, lobe};
+use halflight_kernel::scene::{MAX_LOBES, distribution, lobe_flag, lobe_kind};
 
 const ALBEDO: Vec3 = Vec3::new(0.2, 0.5, 0.8);
 /// sigma_a times a thickness of 0.7.

@@ -6,8 +6,8 @@ use common::oracle::{Row, relative_error, rows};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
 use halflight_kernel::bsdf::rough_transmittance::{self, ENTRIES, ROW};
-use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, lobe};
-use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
+use halflight_kernel::bsdf::{Bsdf, Lobe, lobe};
+use halflight_kernel::scene::{MAX_LOBES, distribution, lobe_flag, lobe_kind};
 
 /// Largest relative errors of value and density over the rows.
 fn errors(lobe: &Lobe, data: &[f32], rows: &[Row]) -> (f32, f32) {

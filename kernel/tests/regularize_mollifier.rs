@@ -5,8 +5,9 @@ mod common;
 use common::chi_square::ChiSquare;
 use common::{Random, direction_at};
 use glam::{Vec2, Vec3};
+use halflight_kernel::regularize::cone;
 use halflight_kernel::regularize::mollifier::{self, CONSTANT, PARABOLIC, PERLIN, QUARTIC};
-use halflight_kernel::regularize::{cone, photon_statistics};
+use halflight_kernel::transport::photon::statistics;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -76,8 +77,8 @@ fn perlin_constants_are_those_of_the_disk() {
     close(mollifier::square_norm(PERLIN, 1), 181.0 / 231.0);
     close(mollifier::second_moment(PERLIN, 2), 5.0 / 48.0);
     close(mollifier::square_norm(PERLIN, 2), 287.0 / (132.0 * PI));
-    close(photon_statistics::SECOND_MOMENT, 5.0 / 48.0);
-    close(photon_statistics::SQUARE_NORM, 287.0 / (132.0 * PI));
+    close(statistics::SECOND_MOMENT, 5.0 / 48.0);
+    close(statistics::SQUARE_NORM, 287.0 / (132.0 * PI));
 }
 
 /// Each kernel's distribution function inverts its quantiles, and both are the quadrature's.

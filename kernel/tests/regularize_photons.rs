@@ -8,12 +8,12 @@ mod common;
 use common::Random;
 use glam::{Vec2, Vec3};
 use halflight_kernel::regularize::mollifier::{self, PERLIN};
-use halflight_kernel::regularize::photon_statistics::{
+use halflight_kernel::transport::photon::schedule::{
+    OPTIMAL_ALPHA, ProgressivePixel, next_squared_radius, radius,
+};
+use halflight_kernel::transport::photon::statistics::{
     DERIVATIVE_CONSTANT, PhotonPass, PhotonStatistics, SECOND_MOMENT, SQUARE_NORM, Variance,
     laplacian_kernel, optimal_bandwidth,
-};
-use halflight_kernel::regularize::progressive::{
-    OPTIMAL_ALPHA, ProgressivePixel, next_squared_radius, radius,
 };
 use proptest::prelude::*;
 

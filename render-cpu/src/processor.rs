@@ -1,10 +1,10 @@
 //! What the processor has beyond what the program is compiled for.
 
-use halflight_kernel::math::vectors::Vectors;
+use halflight_kernel::simd::SimdLevel;
 
 /// The vectors that the processor has. Sixteen lanes are used only along with the features for single words that all
 /// processors with such lanes have: `avx2`, `fma`, `popcnt`, `bmi1`, `bmi2` and `lzcnt`.
-pub fn vectors() -> Vectors {
+pub fn simd_level() -> SimdLevel {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx512f")
         && is_x86_feature_detected!("avx512vl")
@@ -19,7 +19,7 @@ pub fn vectors() -> Vectors {
         && is_x86_feature_detected!("lzcnt")
     {
         // SAFETY: the features are there.
-        return unsafe { Vectors::avx512() };
+        return unsafe { SimdLevel::avx512() };
     }
-    Vectors::BASE
+    SimdLevel::BASE
 }

@@ -4,10 +4,10 @@ use halflight::accel::{Accel, CpuTraverse};
 use halflight::processor;
 use halflight::scene::build::{BuildOptions, build_scene};
 use halflight::scene::xml::parse_scene;
-use halflight_kernel::math::vectors::Vectors;
 use halflight_kernel::sampler::{AnySampler, IndependentSampler, LaneSampler, SobolSampler};
 use halflight_kernel::scene::SceneView;
-use halflight_kernel::transport::wave::Wave;
+use halflight_kernel::simd::SimdLevel;
+use halflight_kernel::transport::wavefront::Wavefront;
 use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -43,19 +43,19 @@ static ALLOCATOR: Counting = Counting;
 
 /// Allocations of paths in waves, that of the wave itself apart.
 fn made_by_waves<S: LaneSampler>(
-    vectors: Vectors,
+    simd: SimdLevel,
     view: &SceneView<'_, CpuTraverse<'_>>,
     settings: &IntegratorSettings,
     new: fn(u32, u32, u32) -> S,
 ) -> usize {
     let [width, height] = view.tables.camera.crop_size;
-    let mut wave: Box<Wave<S, 1024>> = bytemuck::zeroed_box();
+    let mut wave: Box<Wavefront<S, 1024>> = bytemuck::zeroed_box();
     let start = allocations();
     let mut count = 0;
     for i in 0..2000 {
         wave.push([i * 7919 % width, i * 104_729 % height], new(1, i, 0));
         if wave.is_full() || i == 1999 {
-            let radiance = wave.run(vectors, view, settings);
+            let radiance = wave.run(simd, view, settings);
             count += radiance.len();
             assert!(radiance.iter().all(|radiance| radiance.is_finite()));
         }
@@ -109,12 +109,12 @@ fn no_sample_of_any_integrator_allocates() {
             let made = allocations() - start;
             assert_eq!(made, 0, "{name}, integrator {kind}");
         }
-        for vectors in [Vectors::BASE, processor::vectors()] {
+        for simd in [SimdLevel::BASE, processor::simd_level()] {
             let made = [
-                made_by_waves(vectors, &view, &scene.settings, IndependentSampler::new),
-                made_by_waves(vectors, &view, &scene.settings, SobolSampler::new),
+                made_by_waves(simd, &view, &scene.settings, IndependentSampler::new),
+                made_by_waves(simd, &view, &scene.settings, SobolSampler::new),
             ];
-            assert_eq!(made, [0, 0], "{name}, waves of {vectors:?}");
+            assert_eq!(made, [0, 0], "{name}, waves of {simd:?}");
         }
     }
     assert!(allocations() > before, "the counter counts nothing");

@@ -66,7 +66,7 @@ fn in_stages<T: Traverse>(
             }
         }
         if settings.kind == DIRECT {
-            staged::look_through(tables, &mut path);
+            staged::continue_through_masks(tables, &mut path);
         }
     }
     path.estimate().to_array()

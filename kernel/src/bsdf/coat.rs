@@ -19,8 +19,9 @@
 //! the Jacobian by central differences in f64, chi-square of coated lobes, reciprocity, values of another renderer.
 
 use super::fresnel::fresnel_dielectric;
-use super::{MAX_COATS, rough_transmittance};
+use super::rough_transmittance;
 use crate::math::{Rgb, float};
+use crate::scene::MAX_COATS;
 use crate::scene::NONE;
 use glam::Vec3;
 

@@ -15,11 +15,9 @@
 //! a sample equals `eval_cosine` there, and the samples follow `pdf`.
 
 use super::microfacet::{self, Microfacets};
-use super::{
-    BsdfSample, Coat, Lobe, MAX_COATS, coat, event, frame_map, mode, model, null, rough_dielectric,
-};
+use super::{BsdfSample, Coat, Lobe, coat, event, frame_map, mode, model, null, rough_dielectric};
 use crate::math::{Frame, Rgb, float, select};
-use crate::scene::{NONE, features, lobe_flag, lobe_kind};
+use crate::scene::{MAX_COATS, NONE, features, lobe_flag, lobe_kind};
 use glam::{Vec2, Vec3};
 pub use model::events;
 

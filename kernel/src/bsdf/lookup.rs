@@ -4,10 +4,11 @@
 //! luminance. A lobe's weight in the material is the product of its mixing factors, each clamped to [0, 1].
 
 use super::lobe::{is_flipped, mirrored};
-use super::{Coat, Lobe, MAX_COATS, frame_map, microfacet, rough_transmittance};
+use super::{Coat, Lobe, frame_map, microfacet, rough_transmittance};
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::{
-    CoatRecord, LobeRecord, NONE, SurfacePoint, Tables, distribution, features, lobe_kind,
+    CoatRecord, LobeRecord, MAX_COATS, NONE, SurfacePoint, Tables, distribution, features,
+    lobe_kind,
     texture::{eval_at_point, eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};

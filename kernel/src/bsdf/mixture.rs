@@ -10,11 +10,11 @@
 //! Invariants (tests): sum of q_i is 1; weight * pdf = `eval_cosine` for smooth samples; samples follow `pdf`.
 
 use super::lookup::{fill_lobe, weight};
-use super::{BsdfSample, Lobe, MAX_LOBES, event, lobe};
+use super::{BsdfSample, Lobe, event, lobe};
 use crate::math::{Rgb, float};
 #[cfg(target_arch = "spirv")]
 use crate::scene::features;
-use crate::scene::{NONE, SurfacePoint, Tables, lobe_kind};
+use crate::scene::{MAX_LOBES, NONE, SurfacePoint, Tables, lobe_kind};
 use glam::{Vec2, Vec3};
 
 /// A reference to a variable that holds the value of a place. Shaders pass variables to functions, but copy the function

@@ -38,13 +38,8 @@ pub use lookup::null_transmittance;
 pub use mixture::Bsdf;
 
 use crate::math::{Frame, Rgb};
+use crate::scene::MAX_COATS;
 use glam::{Vec2, Vec3};
-
-/// The most lobes of a flattened material.
-pub const MAX_LOBES: usize = 8;
-
-/// The most coats above a lobe.
-pub const MAX_COATS: usize = 2;
 
 /// What kind of interaction a sample is: bits.
 pub mod event {

@@ -100,10 +100,12 @@
 pub mod breakup;
 pub mod chain;
 pub mod constraint;
+pub mod disk_lobe;
 pub mod exploration;
 pub mod half_vector;
 pub mod mutation;
 pub mod projection;
+pub mod slope_gaussian;
 pub mod step_size;
 pub mod vertex;
 pub mod walk;

@@ -14,7 +14,7 @@ use crate::math::Ray;
 use crate::math::float::safe_sqrt;
 use crate::scene::intersect::{is_traceable, offset_by, segment};
 
-use crate::scene::checked_surface::checked_surface_at;
+use crate::scene::surface::checked::checked_surface_at;
 use crate::scene::{SceneView, Traverse};
 use glam::Vec3;
 

@@ -16,10 +16,10 @@
 
 use super::half_vector::projected_of_slope;
 use super::vertex::ChainVertex;
+use crate::manifold::disk_lobe::{DiskLobe, exponent_of_deviation};
+use crate::manifold::slope_gaussian::SlopeGaussian;
 use crate::math::block::{determinant2, invert};
-use crate::math::disk_lobe::{DiskLobe, exponent_of_deviation};
 use crate::math::float::{abs, atan2, safe_sqrt, sin_cos, sqrt};
-use crate::math::slope_gaussian::SlopeGaussian;
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI};
 use glam::{Mat2, Vec2, Vec3};
 

@@ -17,8 +17,44 @@
 
 use super::distribution::{GUIDE_WORDS, sample_cdf_guided};
 use super::{element, float};
-use crate::scene::{Camera, filter_kind};
 use core::f32::consts::PI;
+
+/// Reconstruction filters.
+pub mod filter_kind {
+    /// Box, radius `parameters[0]`.
+    pub const BOX: u32 = 0;
+    /// Tent, radius `parameters[0]`.
+    pub const TENT: u32 = 1;
+    /// Truncated gaussian, radius and standard deviation, shifted to zero at the radius.
+    pub const GAUSSIAN: u32 = 2;
+    /// Mitchell-Netravali, radius 2, parameters B and C in `[1]`, `[2]`.
+    pub const MITCHELL: u32 = 3;
+    /// Catmull-Rom, radius 2.
+    pub const CATMULL_ROM: u32 = 4;
+    /// Lanczos-windowed sinc, radius `parameters[0]` (lobes).
+    pub const LANCZOS: u32 = 5;
+}
+
+/// A filter and where its table lies in `data`.
+#[derive(Clone, Copy, Debug)]
+pub struct Filter {
+    /// One of [`filter_kind`].
+    pub kind: u32,
+    /// See the kinds.
+    pub parameters: [f32; 3],
+    /// First word of the table.
+    pub table: u32,
+    /// Number of steps of the table; zero samples the interval uniformly.
+    pub table_size: u32,
+}
+
+impl Filter {
+    /// First word of the guide of the table.
+    #[inline]
+    pub fn guide(&self) -> u32 {
+        self.table + 2 * self.table_size
+    }
+}
 
 /// Number of steps a front end should tabulate a filter with.
 pub const TABLE_SIZE: u32 = 512;
@@ -115,35 +151,35 @@ fn integral_to(data: &[f32], offset: u32, size: u32, position: f32) -> f32 {
 ///
 /// The interval lies within the filter's radius and holds the pixel. The weight is zero where the filter's integral
 /// over the interval is not positive.
-pub fn sample(camera: &Camera, data: &[f32], lo: f32, hi: f32, u: f32) -> (f32, f32) {
-    if is_even(camera) {
-        return even_sample(lo, hi, u);
+pub fn sample(filter: &Filter, data: &[f32], lo: f32, hi: f32, u: f32) -> (f32, f32) {
+    if is_uniform(filter) {
+        return sample_uniform(lo, hi, u);
     }
-    let cut = Cut::new(camera, data, lo, hi);
-    if !cut.is_positive() {
-        return cut.middle();
+    let interval = Interval::new(filter, data, lo, hi);
+    if !interval.is_positive() {
+        return interval.midpoint();
     }
-    let guide = camera.filter_table + 2 * camera.filter_table_size;
-    let (step, stretched, _) = sample_cdf_guided(data, camera.filter_table, guide, cut.target(u));
-    cut.at(camera, data, step, stretched)
+    let (step, stretched, _) =
+        sample_cdf_guided(data, filter.table, filter.guide(), interval.target(u));
+    interval.offset_at(filter, data, step, stretched)
 }
 
-/// Whether samples are drawn evenly, without a table.
+/// Whether samples are uniform over the interval, without a table.
 #[inline]
-pub fn is_even(camera: &Camera) -> bool {
-    let r = radius(camera.filter, camera.filter_parameters);
-    camera.filter == filter_kind::BOX || camera.filter_table_size == 0 || !(r > 0.0)
+pub fn is_uniform(filter: &Filter) -> bool {
+    let r = radius(filter.kind, filter.parameters);
+    filter.kind == filter_kind::BOX || filter.table_size == 0 || !(r > 0.0)
 }
 
 /// [`sample`] without a table.
 #[inline]
-pub fn even_sample(lo: f32, hi: f32, u: f32) -> (f32, f32) {
+pub fn sample_uniform(lo: f32, hi: f32, u: f32) -> (f32, f32) {
     (float::lerp(lo, hi, u).max(lo).min(hi), 1.0)
 }
 
-/// The part of a filter with a table that an interval leaves.
+/// A tabulated filter restricted to an interval.
 #[derive(Clone, Copy)]
-pub struct Cut {
+pub struct Interval {
     lo: f32,
     hi: f32,
     /// Integrals of |f| and of f up to both ends.
@@ -151,17 +187,17 @@ pub struct Cut {
     signed: [f32; 2],
 }
 
-impl Cut {
-    /// The part within [`lo`, `hi`], see [`sample`].
+impl Interval {
+    /// The restriction to [`lo`, `hi`], see [`sample`].
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-    pub fn new(camera: &Camera, data: &[f32], lo: f32, hi: f32) -> Cut {
-        let r = radius(camera.filter, camera.filter_parameters);
-        let size = camera.filter_table_size;
-        let absolute = camera.filter_table;
-        let signed = camera.filter_table + size;
+    pub fn new(filter: &Filter, data: &[f32], lo: f32, hi: f32) -> Interval {
+        let r = radius(filter.kind, filter.parameters);
+        let size = filter.table_size;
+        let absolute = filter.table;
+        let signed = filter.table + size;
         let steps_per_pixel = size as f32 / (2.0 * r);
-        let mut cut = Cut {
+        let mut interval = Interval {
             lo,
             hi,
             absolute: [0.0, element(data, absolute + size - 1)],
@@ -170,23 +206,23 @@ impl Cut {
         if lo > -r || hi < r {
             let from = (lo + r) * steps_per_pixel;
             let to = (hi + r) * steps_per_pixel;
-            cut.absolute[0] = integral_to(data, absolute, size, from);
-            cut.absolute[1] = integral_to(data, absolute, size, to);
-            cut.signed[0] = integral_to(data, signed, size, from);
-            cut.signed[1] = integral_to(data, signed, size, to);
+            interval.absolute[0] = integral_to(data, absolute, size, from);
+            interval.absolute[1] = integral_to(data, absolute, size, to);
+            interval.signed[0] = integral_to(data, signed, size, from);
+            interval.signed[1] = integral_to(data, signed, size, to);
         }
-        cut
+        interval
     }
 
-    /// Whether something is left that samples can stand for.
+    /// Whether the integral over the interval is positive, so that it can be sampled.
     #[inline]
     pub fn is_positive(&self) -> bool {
         self.absolute[1] > self.absolute[0] && self.signed[1] > self.signed[0]
     }
 
-    /// The sample where nothing is left.
+    /// The sample of zero weight where it is not.
     #[inline]
-    pub fn middle(&self) -> (f32, f32) {
+    pub fn midpoint(&self) -> (f32, f32) {
         (0.5 * (self.lo + self.hi), 0.0)
     }
 
@@ -199,10 +235,10 @@ impl Cut {
     /// Offset and weight at a position within a step.
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-    pub fn at(&self, camera: &Camera, data: &[f32], step: u32, position: f32) -> (f32, f32) {
-        let r = radius(camera.filter, camera.filter_parameters);
-        let size = camera.filter_table_size;
-        let signed = camera.filter_table + size;
+    pub fn offset_at(&self, filter: &Filter, data: &[f32], step: u32, position: f32) -> (f32, f32) {
+        let r = radius(filter.kind, filter.parameters);
+        let size = filter.table_size;
+        let signed = filter.table + size;
         let steps_per_pixel = size as f32 / (2.0 * r);
         let offset = (step as f32 + position) / steps_per_pixel - r;
         let before = if step == 0 {

@@ -4,23 +4,17 @@ pub mod affine;
 pub mod block;
 pub mod block_elimination;
 pub mod block_tridiagonal;
-pub mod disk_lobe;
 pub mod distribution;
 pub mod elementary;
 pub mod filter;
 pub mod float;
 pub mod frame;
-#[cfg(not(target_arch = "spirv"))]
-pub mod lanes;
 pub mod moebius;
 pub mod ray;
 pub mod scaled;
 pub mod select;
-pub mod slope_gaussian;
 pub mod statistics;
 pub mod table;
-#[cfg(not(target_arch = "spirv"))]
-pub mod vectors;
 pub mod warp;
 
 pub use frame::Frame;

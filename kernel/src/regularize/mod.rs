@@ -13,8 +13,6 @@
 //! | [`regularized_bsdf`] | a lobe or material evaluated below tau, and its density for multiple importance sampling |
 //! | [`heuristic`] | where a path needs it: sampler quality and path diffusion |
 //! | [`virtual_merge`] | the alternative by random acceptance |
-//! | [`progressive`] | photon mapping with a fixed schedule of radii |
-//! | [`photon_statistics`] | photon mapping with a radius per pixel from its own statistics |
 //!
 //! Sources: Kaplanyan 2017 (thesis), chapters 5 and 6 (Kaplanyan and Dachsbacher 2013, "Path Space Regularization for
 //! Holistic and Robust Light Transport" and "Adaptive Progressive Photon Mapping"); Jendersie and Grosch 2019,
@@ -31,7 +29,6 @@
 //! | rho-bar, alpha-hat | [`bounds`] and their inverses, `*_bound` and `*_alpha` |
 //! | rho-hat, p-hat | [`regularized_bsdf::eval_cosine_pdf`] |
 //! | q, sigma_angle, sigma_x | [`heuristic::SamplerQuality`], [`heuristic::PathDiffusion`] |
-//! | psi, p_l, Delta I | contribution, density, Laplacian in [`photon_statistics`] |
 //!
 //! # Misprints and gaps of the papers, and the tests that settle them
 //! - Thesis, proof of lemma 1: the lower bound of the bandwidth is O(n^(-1/d)), not O(n^(1/d)); `regularize_bandwidth`.
@@ -52,7 +49,5 @@ pub mod bounds;
 pub mod cone;
 pub mod heuristic;
 pub mod mollifier;
-pub mod photon_statistics;
-pub mod progressive;
 pub mod regularized_bsdf;
 pub mod virtual_merge;

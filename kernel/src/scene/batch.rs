@@ -2,9 +2,9 @@
 //!
 //! Hosts only: a shader asks for one ray.
 
-use super::traverse::Hit;
+use super::hit::Hit;
 use crate::math::Ray;
-use crate::math::lanes::Vec3Lanes;
+use crate::simd::lanes::Vec3Lanes;
 use bytemuck::Zeroable;
 
 /// Up to `N` rays side by side.

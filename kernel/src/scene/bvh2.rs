@@ -9,9 +9,10 @@
 //! hit ([`super::traverse::REACH`]), for what lies at the same distance. Checked: the same hits as a search of all
 //! primitives and as the CPU's tree.
 
+use super::hit::Hit;
 use super::intersect::{ShearedRay, intersect_quadric, intersect_triangle, is_traceable};
 use super::records::NONE;
-use super::traverse::{Hit, REACH, Traverse};
+use super::traverse::{REACH, Traverse};
 use super::view::Tables;
 use crate::math::affine::{transform_point, transform_vector};
 use crate::math::float::abs;

@@ -178,7 +178,13 @@ fn sample_axis<const AXIS: usize>(tables: &Tables<'_>, pixel: u32, u: f32) -> (f
         return support.outside();
     }
     let (lo, hi) = (support.lo, support.hi);
-    let (offset, weight) = filter::sample(&tables.camera, tables.data, lo, hi, u);
+    let (offset, weight) = filter::sample(
+        &tables.camera.reconstruction_filter(),
+        tables.data,
+        lo,
+        hi,
+        u,
+    );
     (support.center + offset, weight)
 }
 

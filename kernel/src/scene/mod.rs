@@ -8,23 +8,22 @@ pub mod batch;
 pub mod bitmap;
 pub mod bvh2;
 pub mod camera;
-pub mod checked_surface;
 pub mod emitter;
 pub mod features;
+pub mod hit;
 pub mod intersect;
-pub mod quadric;
 pub mod records;
 pub mod surface;
 pub mod texture;
 pub mod traverse;
-pub mod triangle;
 pub mod view;
 
 #[cfg(not(target_arch = "spirv"))]
 pub use batch::{HitBatch, RayBatch};
 pub use bvh2::{Bvh2Traverse, BvhNode};
+pub use hit::Hit;
 pub use intersect::{offset_origin, segment};
 pub use records::*;
 pub use surface::{SurfacePoint, surface_at, surface_at_primitive};
-pub use traverse::{Hit, Traverse};
+pub use traverse::Traverse;
 pub use view::{SceneView, Tables};

@@ -80,13 +80,13 @@ pub fn connect<S: Sampler>(
     strict_normals: bool,
     counts: SampleCounts,
 ) -> Connection {
-    let light = choose(tables, sampler, point);
-    weigh(tables, &light, point, bsdf, wi, strict_normals, counts)
+    let light = sample_light(tables, sampler, point);
+    evaluate_light(tables, &light, point, bsdf, wi, strict_normals, counts)
 }
 
 /// Chooses an emitter point.
 #[inline]
-pub fn choose<S: Sampler>(
+pub fn sample_light<S: Sampler>(
     tables: &Tables<'_>,
     sampler: &mut S,
     point: &SurfacePoint,
@@ -96,16 +96,16 @@ pub fn choose<S: Sampler>(
     emitter::sample_direct(tables, point.position, u_select, u)
 }
 
-/// Advances the sampler as [`choose`] does.
+/// Advances the sampler as [`sample_light`] does.
 #[inline]
-pub fn skip_choice<S: Sampler>(sampler: &mut S) {
+pub fn skip_light_numbers<S: Sampler>(sampler: &mut S) {
     sampler.next_1d();
     sampler.next_2d();
 }
 
 /// What the chosen light adds.
 #[inline]
-pub fn weigh(
+pub fn evaluate_light(
     tables: &Tables<'_>,
     light: &DirectSample,
     point: &SurfacePoint,
@@ -125,13 +125,13 @@ pub fn weigh(
     if value.max_element() <= 0.0 {
         return Connection::NONE;
     }
-    reflected(light, point, counts, value, pdf)
+    weighted_contribution(light, point, counts, value, pdf)
 }
 
 /// What the chosen light adds where the BSDF times the cosine is `value` towards it, with the density `pdf`.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub fn reflected(
+pub fn weighted_contribution(
     light: &DirectSample,
     point: &SurfacePoint,
     counts: SampleCounts,

@@ -89,7 +89,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
             }
             path.radiance += path.throughput * branch.radiance;
         }
-        if path.look_through(tables, &point) == step::END {
+        if path.continue_through_masks(tables, &point) == step::END {
             break;
         }
     }
@@ -115,7 +115,7 @@ pub fn start_branch(
     branch.last = Scattering {
         position: point.position,
         pdf: counts.bsdf * sample.pdf,
-        competing: if sample.event & event::DELTA != 0 {
+        light_samples: if sample.event & event::DELTA != 0 {
             0.0
         } else {
             counts.emitter
@@ -130,6 +130,6 @@ pub fn start_branch(
 /// What a branch does where it meets a surface: gathers its light, and looks behind its masks.
 #[inline]
 pub fn follow_branch(branch: &mut Path, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
-    branch.gather(tables, point);
-    branch.look_through(tables, point)
+    branch.add_emission(tables, point);
+    branch.continue_through_masks(tables, point)
 }

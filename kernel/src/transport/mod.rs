@@ -8,11 +8,12 @@ pub mod aov;
 pub mod connection;
 pub mod direct;
 pub mod path;
+pub mod photon;
 pub mod settings;
 pub mod staged;
 pub mod visibility;
 #[cfg(not(target_arch = "spirv"))]
-pub mod wave;
+pub mod wavefront;
 
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;

@@ -47,14 +47,14 @@ pub struct Scattering {
     /// Density of the direction taken, times the number of such samples.
     pub pdf: f32,
     /// Number of emitter samples that compete with it; zero at the sensor and for a delta lobe.
-    pub competing: f32,
+    pub light_samples: f32,
 }
 
 impl Scattering {
     /// Weight of light that the walk found itself and that an emitter sample finds with density `other`.
     #[inline]
     fn weight(&self, other: f32) -> f32 {
-        power_heuristic(self.pdf, self.competing * other)
+        power_heuristic(self.pdf, self.light_samples * other)
     }
 }
 
@@ -89,7 +89,7 @@ impl Path {
             last: Scattering {
                 position: ray.origin,
                 pdf: 0.0,
-                competing: 0.0,
+                light_samples: 0.0,
             },
             depth: 0,
             crossings: 0,
@@ -98,7 +98,7 @@ impl Path {
 
     /// Whether another edge is allowed.
     #[inline]
-    pub fn may_go_on(&self, settings: &IntegratorSettings) -> bool {
+    pub fn may_continue(&self, settings: &IntegratorSettings) -> bool {
         self.depth < settings.max_depth
     }
 
@@ -112,15 +112,15 @@ impl Path {
     pub fn escape(&mut self, tables: &Tables<'_>, settings: &IntegratorSettings) {
         if self.sees_emitters(settings) && tables.info.environment != NONE {
             let (emitted, pdf) = emitter::environment_radiance_and_pdf(tables, self.ray.direction);
-            self.add(emitted, pdf);
+            self.add_weighted(emitted, pdf);
         }
     }
 
     /// Gathers light that the walk found and that an emitter sample finds with density `other`.
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-    pub fn add(&mut self, emitted: Rgb, other: f32) {
-        let weight = if self.last.competing > 0.0 {
+    pub fn add_weighted(&mut self, emitted: Rgb, other: f32) {
+        let weight = if self.last.light_samples > 0.0 {
             self.last.weight(other)
         } else {
             1.0
@@ -138,9 +138,9 @@ impl Path {
     ) -> u32 {
         if point.emitter != NONE {
             if !self.sees_emitters(settings) {
-                return self.pass(point);
+                return self.skip_surface(point);
             }
-            self.gather(tables, point);
+            self.add_emission(tables, point);
         }
         if self.depth + 1 >= settings.max_depth {
             return step::END;
@@ -154,15 +154,15 @@ impl Path {
 
     /// Adds what the surface emits back along the ray.
     #[inline]
-    pub fn gather(&mut self, tables: &Tables<'_>, point: &SurfacePoint) {
+    pub fn add_emission(&mut self, tables: &Tables<'_>, point: &SurfacePoint) {
         let emitted = emitter::area_radiance(tables, point, -self.ray.direction);
         if emitted.max_element() > 0.0 {
-            let other = if self.last.competing > 0.0 {
+            let other = if self.last.light_samples > 0.0 {
                 emitter::pdf_direct(tables, self.last.position, point)
             } else {
                 0.0
             };
-            self.add(emitted, other);
+            self.add_weighted(emitted, other);
         }
     }
 
@@ -174,17 +174,17 @@ impl Path {
 
     /// Goes straight on behind the surface with what its masks let pass; says what is next, one of [`step`].
     #[inline]
-    pub fn look_through(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
+    pub fn continue_through_masks(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
         self.throughput *= null_transmittance(tables, point);
         if self.throughput.max_element() <= 0.0 {
             return step::END;
         }
-        self.pass(point)
+        self.skip_surface(point)
     }
 
     /// Goes straight on through the surface.
     #[inline]
-    fn pass(&mut self, point: &SurfacePoint) -> u32 {
+    fn skip_surface(&mut self, point: &SurfacePoint) -> u32 {
         self.crossings += 1;
         if self.crossings > MAX_NULL_CROSSINGS {
             return step::END;
@@ -207,13 +207,13 @@ impl Path {
         let u1 = sampler.next_1d();
         let u2 = sampler.next_2d();
         let sample = bsdf.sample(tables.data, wi, u1, u2);
-        self.leave(settings, sampler, point, &sample)
+        self.scatter_along(settings, sampler, point, &sample)
     }
 
     /// Leaves the surface along a sampled direction; says whether the path goes on, one of [`step`].
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-    pub fn leave<S: Sampler>(
+    pub fn scatter_along<S: Sampler>(
         &mut self,
         settings: &IntegratorSettings,
         sampler: &mut S,
@@ -228,7 +228,7 @@ impl Path {
             return step::END;
         }
         if sample.event & event::NULL != 0 {
-            return self.pass(point);
+            return self.skip_surface(point);
         }
         let direction = point.frame.to_world(sample.wo).normalize();
         if settings.strict_normals != 0 && !is_same_side(point, direction, sample.wo.z) {
@@ -237,7 +237,7 @@ impl Path {
         self.last = Scattering {
             position: point.position,
             pdf: sample.pdf,
-            competing: if sample.event & event::DELTA != 0 {
+            light_samples: if sample.event & event::DELTA != 0 {
                 0.0
             } else {
                 1.0
@@ -260,16 +260,16 @@ impl Path {
 
 /// Light that an emitter sample adds to a path unless something stands in its way.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub struct ShadowRay {
     /// What the surface reflects of it, and the segment to the emitter.
     pub connection: Connection,
     /// The path's throughput where it arrives.
     pub throughput: Rgb,
 }
 
-impl Arrival {
+impl ShadowRay {
     /// No light.
-    pub const NONE: Arrival = Arrival {
+    pub const NONE: ShadowRay = ShadowRay {
         connection: Connection::NONE,
         throughput: Rgb::ZERO,
     };
@@ -294,7 +294,7 @@ impl Path {
         sampler: &mut S,
         hit: &Hit,
         bsdf: &mut Bsdf,
-        light: &mut Arrival,
+        light: &mut ShadowRay,
     ) -> u32 {
         light.connection.radiance = Rgb::ZERO;
         if !hit.is_hit() {
@@ -311,13 +311,13 @@ impl Path {
         if bsdf.has_smooth() {
             let strict = settings.strict_normals != 0;
             let counts = SampleCounts::ONE;
-            *light = Arrival {
+            *light = ShadowRay {
                 connection: connect(tables, sampler, &point, bsdf, wi, strict, counts),
                 throughput: self.throughput,
             };
         }
         let next = self.scatter(tables, settings, sampler, &point, bsdf, wi);
-        if self.may_go_on(settings) {
+        if self.may_continue(settings) {
             next
         } else {
             step::END
@@ -334,15 +334,15 @@ pub fn radiance<T: Traverse, S: Sampler>(
 ) -> Rgb {
     let mut path = Path::new(ray);
     let mut bsdf = Bsdf::BLACK;
-    let mut light = Arrival::NONE;
-    let mut goes_on = path.may_go_on(settings);
-    while goes_on {
+    let mut light = ShadowRay::NONE;
+    let mut continues = path.may_continue(settings);
+    while continues {
         let hit = view.traverse.closest_hit(&path.ray);
         let next = path.bounce(&view.tables, settings, sampler, &hit, &mut bsdf, &mut light);
         if light.connection.is_some() {
             path.radiance += light.unshadowed(view);
         }
-        goes_on = next != step::END;
+        continues = next != step::END;
     }
     path.radiance
 }

@@ -10,13 +10,15 @@
 //!   [`scatter`] until it ends;
 //! - direct illumination: [`begin`], then [`trace`], [`arrive`], `emitter_samples` times [`light`], [`evaluate`] and
 //!   [`shadow`], `bsdf_samples` times [`sample`], [`mix`] and [`branch`] with [`trace`] and [`follow`] until the branch
-//!   ends, and [`look_through`]; then from [`trace`] on again until it ends.
+//!   ends, and [`continue_through_masks`]; then from [`trace`] on again until it ends.
 //!
 //! A stage leaves paths alone whose step is another's. Invariant (tests): the same numbers, to the bit, as
 //! [`super::path::radiance`] and [`super::direct::radiance`].
 
 use super::IntegratorSettings;
-use super::connection::{Connection, SampleCounts, choose, skip_choice, weigh};
+use super::connection::{
+    Connection, SampleCounts, evaluate_light, sample_light, skip_light_numbers,
+};
 use super::direct;
 use super::path::{Path, Scattering, step};
 use super::visibility::transmittance;
@@ -112,7 +114,7 @@ pub struct PathRecord {
     weight: f32,
     last_position: [f32; 3],
     last_pdf: f32,
-    last_competing: f32,
+    last_light_samples: f32,
     depth: u32,
     crossings: u32,
     /// One of [`step`].
@@ -144,7 +146,7 @@ impl PathRecord {
             last: Scattering {
                 position: vec3(self.last_position),
                 pdf: self.last_pdf,
-                competing: self.last_competing,
+                light_samples: self.last_light_samples,
             },
             depth: self.depth,
             crossings: self.crossings,
@@ -159,7 +161,7 @@ impl PathRecord {
         self.eta = path.eta;
         self.last_position = numbers(path.last.position);
         self.last_pdf = path.last.pdf;
-        self.last_competing = path.last.competing;
+        self.last_light_samples = path.last.light_samples;
         self.depth = path.depth;
         self.crossings = path.crossings;
     }
@@ -228,7 +230,7 @@ pub fn begin(
         weight: sample.weight,
         last_position: [0.0; 3],
         last_pdf: 0.0,
-        last_competing: 0.0,
+        last_light_samples: 0.0,
         depth: 0,
         crossings: 0,
         step: if may_begin(settings, &path) {
@@ -255,7 +257,7 @@ pub fn begin(
 /// Direct illumination sees emitters whatever its depth.
 #[inline]
 fn may_begin(settings: &IntegratorSettings, path: &Path) -> bool {
-    settings.kind == integrator_kind::DIRECT || path.may_go_on(settings)
+    settings.kind == integrator_kind::DIRECT || path.may_continue(settings)
 }
 
 /// Finds what the path's ray meets.
@@ -292,7 +294,7 @@ pub fn light(tables: &Tables<'_>, record: &mut PathRecord) {
     }
     // The numbers are drawn only where there is something to light, which `evaluate` finds out.
     let mut sampler = record.sampler;
-    let light = choose(tables, &mut sampler, &record.point(tables));
+    let light = sample_light(tables, &mut sampler, &record.point(tables));
     record.light = LightRecord::new(&light);
 }
 
@@ -310,7 +312,7 @@ pub fn evaluate(tables: &Tables<'_>, settings: &IntegratorSettings, record: &mut
         return;
     }
     let mut sampler = record.sampler;
-    skip_choice(&mut sampler);
+    skip_light_numbers(&mut sampler);
     record.sampler = sampler;
     let counts = if settings.kind == integrator_kind::DIRECT {
         SampleCounts::of(settings)
@@ -319,7 +321,7 @@ pub fn evaluate(tables: &Tables<'_>, settings: &IntegratorSettings, record: &mut
     };
     let strict = settings.strict_normals != 0;
     let light = record.light.sample();
-    let connection = weigh(tables, &light, &point, &bsdf, wi, strict, counts);
+    let connection = evaluate_light(tables, &light, &point, &bsdf, wi, strict, counts);
     record.connection = numbers(connection.radiance);
     record.connection_ray = RayRecord::new(&connection.ray);
 }
@@ -379,8 +381,8 @@ pub fn scatter(tables: &Tables<'_>, settings: &IntegratorSettings, record: &mut 
     let mut path = record.path();
     let mut sampler = record.sampler;
     let point = record.point(tables);
-    let next = path.leave(settings, &mut sampler, &point, &record.sample());
-    record.step = if path.may_go_on(settings) {
+    let next = path.scatter_along(settings, &mut sampler, &point, &record.sample());
+    record.step = if path.may_continue(settings) {
         next
     } else {
         step::END
@@ -433,12 +435,12 @@ pub fn follow(
 
 /// Goes on behind the masks of the surface, once all samples of direct illumination are taken there.
 #[inline]
-pub fn look_through(tables: &Tables<'_>, record: &mut PathRecord) {
+pub fn continue_through_masks(tables: &Tables<'_>, record: &mut PathRecord) {
     if record.step != step::SCATTER {
         return;
     }
     let mut path = record.path();
     let point = record.point(tables);
-    record.step = path.look_through(tables, &point);
+    record.step = path.continue_through_masks(tables, &point);
     record.store(&path);
 }

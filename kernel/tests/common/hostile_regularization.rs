@@ -7,7 +7,7 @@
 pub mod hostile_lobes;
 
 use glam::{Vec2, Vec3};
-use halflight_kernel::bsdf::{Bsdf, Lobe, MAX_LOBES, lobe, lobe::eval_cosine_pdf as plain};
+use halflight_kernel::bsdf::{Bsdf, Lobe, lobe, lobe::eval_cosine_pdf as plain};
 use halflight_kernel::regularize::bandwidth::{TAU_MAX, cone_tangent, cone_value, tau_schedule};
 use halflight_kernel::regularize::bounds::{
     ALPHA_MAX, raise, reflection_alpha, reflection_bound, refraction_alpha, refraction_bound,
@@ -20,6 +20,7 @@ use halflight_kernel::regularize::regularized_bsdf::{
     alpha_hat, bound, eval_cosine_pdf, mixture_bound, mixture_eval_cosine_pdf, regularized_lobe,
 };
 use halflight_kernel::regularize::{cone, mollifier};
+use halflight_kernel::scene::MAX_LOBES;
 use halflight_kernel::scene::lobe_kind;
 use hostile_lobes::Bytes;
 

@@ -4,11 +4,11 @@ use super::coated::{coated_cases, under_two_coats};
 use super::direction_at;
 use super::measured::measured_case;
 use glam::{Vec2, Vec3};
+use halflight_kernel::bsdf::Lobe;
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
 use halflight_kernel::bsdf::rough_transmittance::{self, ENTRIES, ROW};
-use halflight_kernel::bsdf::{Lobe, MAX_LOBES};
 use halflight_kernel::math::Frame;
-use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
+use halflight_kernel::scene::{MAX_LOBES, distribution, lobe_flag, lobe_kind};
 
 /// A lobe under test with the table that it reads.
 #[derive(Clone)]

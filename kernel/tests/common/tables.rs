@@ -87,7 +87,7 @@ pub fn lobe_record(kind: u32) -> LobeRecord {
         internal_reflectance: 0.0,
         optical_depth: RgbParameter::constant([0.0; 3]),
         coat_count: 0,
-        coats: [CoatRecord::NONE; halflight_kernel::bsdf::MAX_COATS],
+        coats: [CoatRecord::NONE; MAX_COATS],
         exponent: ScalarParameter::constant(1.0),
     }
 }

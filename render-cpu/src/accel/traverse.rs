@@ -11,13 +11,13 @@ use super::single::lanes::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::single::lanes::{Avx2, Sse2};
 use super::{Accel, Group};
-use crate::processor::vectors as processor_vectors;
+use crate::processor::simd_level;
 use halflight_kernel::math::Ray;
 use halflight_kernel::math::affine::{transform_point, transform_vector};
-use halflight_kernel::math::vectors::Vectors;
 use halflight_kernel::scene::intersect::{intersect_quadric, is_traceable};
 use halflight_kernel::scene::traverse::{REACH, are_occluded_in_turn, closest_hits_in_turn};
 use halflight_kernel::scene::{Hit, HitBatch, RayBatch, Tables, Traverse};
+use halflight_kernel::simd::SimdLevel;
 use std::mem::MaybeUninit;
 
 /// Nodes that wait: of each node on the way down at most seven children, and all eight of the last.
@@ -30,7 +30,7 @@ pub struct CpuTraverse<'a> {
     pub(super) tables: Tables<'a>,
     #[cfg(target_arch = "x86_64")]
     has_avx2: bool,
-    vectors: Vectors,
+    simd: SimdLevel,
 }
 
 /// The nearest hit so far.
@@ -61,7 +61,7 @@ impl<'a> CpuTraverse<'a> {
             tables,
             #[cfg(target_arch = "x86_64")]
             has_avx2: is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-            vectors: processor_vectors(),
+            simd: simd_level(),
         }
     }
 
@@ -205,7 +205,7 @@ impl Traverse for CpuTraverse<'_> {
         count: usize,
         hits: &mut HitBatch<N>,
     ) {
-        if self.vectors.has_avx512() {
+        if self.simd.has_avx512() {
             // SAFETY: the processor has the features (`processor_vectors`).
             return unsafe { self.lockstep::<false, N>(rays, count, hits) };
         }
@@ -218,7 +218,7 @@ impl Traverse for CpuTraverse<'_> {
         count: usize,
         hits: &mut HitBatch<N>,
     ) {
-        if self.vectors.has_avx512() {
+        if self.simd.has_avx512() {
             // SAFETY: the processor has the features (`processor_vectors`).
             return unsafe { self.lockstep::<true, N>(rays, count, hits) };
         }

@@ -9,10 +9,10 @@ use super::{Report, log_slope};
 use crate::plot::{Mark, Plot, Scale, Series};
 use glam::Vec2;
 use halflight_kernel::regularize::mollifier::{self, PERLIN};
-use halflight_kernel::regularize::photon_statistics::{
+use halflight_kernel::transport::photon::schedule::{OPTIMAL_ALPHA, radius};
+use halflight_kernel::transport::photon::statistics::{
     PhotonPass, PhotonStatistics, SQUARE_NORM, Variance, optimal_bandwidth,
 };
-use halflight_kernel::regularize::progressive::{OPTIMAL_ALPHA, radius};
 use rayon::prelude::*;
 use std::fmt::Write;
 

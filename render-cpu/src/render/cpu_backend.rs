@@ -120,7 +120,7 @@ fn render_pass<T: Traverse + Sync>(
         settings,
         options,
         needs_surface: film.aovs().needs_surface(),
-        vectors: processor::vectors(),
+        simd: processor::simd_level(),
     };
     // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
     if kind == sampler_kind::SOBOL {

@@ -1,16 +1,16 @@
 //! The samples of one tile of the film, on one thread.
 //!
-//! Paths are traced in waves ([`Wave`]) of consecutive samples: those of one pixel, or of neighbouring pixels where each
+//! Paths are traced in waves ([`Wavefront`]) of consecutive samples: those of one pixel, or of neighbouring pixels where each
 //! gets but a few. Samples enter their pixel in the order of their indices whatever the wave, so that sums round alike.
 
 use super::options::RenderOptions;
 use crate::film::FilmTile;
 use crate::film::aov::AovSample;
-use halflight_kernel::math::vectors::Vectors;
 use halflight_kernel::sampler::{LaneSampler, Sampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::wave::Wave;
+use halflight_kernel::simd::SimdLevel;
+use halflight_kernel::transport::wavefront::Wavefront;
 use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
 
 /// Slots for paths side by side: enough for whole vectors of every class, few enough that their state stays in the second
@@ -29,7 +29,7 @@ pub struct TileJob<'a, T: Traverse> {
     /// Whether layers of surface features are wanted.
     pub needs_surface: bool,
     /// Those of the processor.
-    pub vectors: Vectors,
+    pub simd: SimdLevel,
 }
 
 /// Samples of a pixel that are under way.
@@ -42,7 +42,7 @@ struct Run {
 
 /// What a thread needs for its tiles.
 pub struct Workspace<S> {
-    wave: Box<Wave<S, SLOTS>>,
+    wave: Box<Wavefront<S, SLOTS>>,
     runs: Vec<Run>,
     /// The numbers of those samples from the first on, where surfaces are wanted.
     samplers: Vec<S>,
@@ -119,7 +119,7 @@ impl<T: Traverse> TileJob<'_, T> {
 
     /// Traces the wave and adds its samples.
     fn finish<S: LaneSampler>(&self, tile: &mut FilmTile<'_>, workspace: &mut Workspace<S>) {
-        let mut radiance = workspace.wave.run(self.vectors, self.view, self.settings);
+        let mut radiance = workspace.wave.run(self.simd, self.view, self.settings);
         let mut samplers = workspace.samplers.drain(..);
         for run in workspace.runs.drain(..) {
             let (of_run, rest) = radiance.split_at(run.count as usize);

@@ -2,7 +2,7 @@
 
 use crate::files::Files;
 use crate::room::{CONSTANT, LAMP, POINT, Room};
-use halflight_kernel::scene::{distribution, lobe_kind, material_flag};
+use halflight_kernel::scene::{distribution, lobe_kind};
 
 /// A texture in place of a number: 0.04 to 1.
 pub const ROUGHNESS: &str = r#"name="alpha" type="bitmap"><string name="filename" value="grey.png"/>
@@ -14,7 +14,7 @@ fn plain(files: &Files, kind: u32, facets: u32, material: &str) {
     let scene = room.build(files);
     let has_loop = scene.tables.materials.iter().any(|m| {
         let lobe = &scene.tables.lobes[m.first_lobe as usize];
-        m.flags & material_flag::PLAIN != 0 && (lobe.kind, lobe.distribution) == (kind, facets)
+        lobe.is_plain() && m.lobe_count == 1 && (lobe.kind, lobe.distribution) == (kind, facets)
     });
     assert!(has_loop, "{material}");
     room.agrees(files);

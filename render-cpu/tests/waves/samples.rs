@@ -6,10 +6,10 @@ use halflight::processor;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
 use halflight_kernel::math::Rgb;
-use halflight_kernel::math::vectors::Vectors;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler};
 use halflight_kernel::scene::SceneView;
-use halflight_kernel::transport::wave::Wave;
+use halflight_kernel::simd::SimdLevel;
+use halflight_kernel::transport::wavefront::Wavefront;
 use halflight_kernel::transport::{IntegratorSettings, sample_pixel};
 use std::path::Path;
 
@@ -72,27 +72,27 @@ pub fn one_by_one<S: LaneSampler>(
 
 /// What waves of at most `size` paths give.
 pub fn in_waves<S: LaneSampler, const N: usize>(
-    wave: &mut Wave<S, N>,
+    wave: &mut Wavefront<S, N>,
     size: usize,
-    vectors: Vectors,
+    simd: SimdLevel,
     view: &View<'_>,
     settings: &IntegratorSettings,
     starts: &[Start<S>],
 ) -> Vec<Rgb> {
     let mut found = Vec::new();
-    for paths in starts.chunks(size.min(Wave::<S, N>::CAPACITY)) {
+    for paths in starts.chunks(size.min(Wavefront::<S, N>::CAPACITY)) {
         for &(pixel, sampler) in paths {
             assert!(!wave.is_full());
             wave.push(pixel, sampler);
         }
-        found.extend_from_slice(wave.run(vectors, view, settings));
+        found.extend_from_slice(wave.run(simd, view, settings));
     }
     found
 }
 
 /// Both kinds of loops over lanes; the same one twice where the processor has no other.
-pub fn all_vectors() -> [Vectors; 2] {
-    [Vectors::BASE, processor::vectors()]
+pub fn all_simd_levels() -> [SimdLevel; 2] {
+    [SimdLevel::BASE, processor::simd_level()]
 }
 
 /// Fails where a bit differs.
@@ -127,14 +127,14 @@ fn compare<S: LaneSampler>(
 ) -> f32 {
     let starts = starts(view, new);
     let expected = one_by_one(view, settings, &starts);
-    let mut small: Box<Wave<S, 512>> = bytemuck::zeroed_box();
-    let mut large: Box<Wave<S, 1024>> = bytemuck::zeroed_box();
-    for vectors in all_vectors() {
-        let found = in_waves(&mut small, usize::MAX, vectors, view, settings, &starts);
-        let what = format!("{vectors:?}, 512 slots, {text}");
+    let mut small: Box<Wavefront<S, 512>> = bytemuck::zeroed_box();
+    let mut large: Box<Wavefront<S, 1024>> = bytemuck::zeroed_box();
+    for simd in all_simd_levels() {
+        let found = in_waves(&mut small, usize::MAX, simd, view, settings, &starts);
+        let what = format!("{simd:?}, 512 slots, {text}");
         assert_same(&what, &starts, &found, &expected);
-        let found = in_waves(&mut large, usize::MAX, vectors, view, settings, &starts);
-        let what = format!("{vectors:?}, 1024 slots, {text}");
+        let found = in_waves(&mut large, usize::MAX, simd, view, settings, &starts);
+        let what = format!("{simd:?}, 1024 slots, {text}");
         assert_same(&what, &starts, &found, &expected);
     }
     lit_share(&expected)

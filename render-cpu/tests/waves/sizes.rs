@@ -4,10 +4,10 @@ use crate::files::Files;
 use crate::materials::GENERAL;
 use crate::room::{CONSTANT, LAMP, POINT, Room};
 use crate::samples::{
-    all_vectors, assert_same, in_waves, lit_share, one_by_one, starts, with_view,
+    all_simd_levels, assert_same, in_waves, lit_share, one_by_one, starts, with_view,
 };
 use halflight_kernel::sampler::{IndependentSampler, SobolSampler};
-use halflight_kernel::transport::wave::Wave;
+use halflight_kernel::transport::wavefront::Wavefront;
 
 /// Rooms of little in common.
 fn rooms() -> [Room; 3] {
@@ -35,7 +35,7 @@ fn rooms() -> [Room; 3] {
 /// All rooms in one wave after the other, by waves of at most each of the `sizes`.
 fn agree<const N: usize>(sizes: &[usize]) {
     let files = Files::new();
-    let mut wave: Box<Wave<IndependentSampler, N>> = bytemuck::zeroed_box();
+    let mut wave: Box<Wavefront<IndependentSampler, N>> = bytemuck::zeroed_box();
     for room in rooms() {
         let text = room.text();
         with_view(&room.build(&files), |view, settings| {
@@ -43,9 +43,9 @@ fn agree<const N: usize>(sizes: &[usize]) {
             let expected = one_by_one(view, settings, &starts);
             assert!(lit_share(&expected) > 0.4, "{text}");
             for &size in sizes {
-                for vectors in all_vectors() {
-                    let found = in_waves(&mut wave, size, vectors, view, settings, &starts);
-                    let what = format!("{vectors:?}, {N} slots, {size} paths, {text}");
+                for simd in all_simd_levels() {
+                    let found = in_waves(&mut wave, size, simd, view, settings, &starts);
+                    let what = format!("{simd:?}, {N} slots, {size} paths, {text}");
                     assert_same(&what, &starts, &found, &expected);
                 }
             }
@@ -61,39 +61,39 @@ fn waves_that_are_not_full() {
 
 #[test]
 fn slots_for_few_paths() {
-    assert_eq!(Wave::<IndependentSampler, 64>::CAPACITY, 4);
+    assert_eq!(Wavefront::<IndependentSampler, 64>::CAPACITY, 4);
     agree::<64>(&[1, 3, 4]);
     // The last slots are no whole vector.
-    assert_eq!(Wave::<IndependentSampler, 40>::CAPACITY, 2);
+    assert_eq!(Wavefront::<IndependentSampler, 40>::CAPACITY, 2);
     agree::<40>(&[1, 2]);
 }
 
 #[test]
 fn a_wave_without_paths_has_no_samples() {
     let files = Files::new();
-    let mut wave: Box<Wave<SobolSampler, 512>> = bytemuck::zeroed_box();
+    let mut wave: Box<Wavefront<SobolSampler, 512>> = bytemuck::zeroed_box();
     with_view(&rooms()[0].build(&files), |view, settings| {
-        for vectors in all_vectors() {
-            assert!(wave.run(vectors, view, settings).is_empty());
+        for simd in all_simd_levels() {
+            assert!(wave.run(simd, view, settings).is_empty());
         }
     });
 }
 
 #[test]
 fn paths_beyond_the_capacity_are_left_out() {
-    type Small = Wave<SobolSampler, 512>;
+    type Small = Wavefront<SobolSampler, 512>;
     let files = Files::new();
     let mut wave: Box<Small> = bytemuck::zeroed_box();
     with_view(&rooms()[0].build(&files), |view, settings| {
         let starts = starts(view, SobolSampler::new);
         let expected = one_by_one(view, settings, &starts[..Small::CAPACITY]);
         assert!(lit_share(&expected) > 0.0);
-        for vectors in all_vectors() {
+        for simd in all_simd_levels() {
             for &(pixel, sampler) in &starts {
                 wave.push(pixel, sampler);
             }
             assert!(wave.is_full());
-            let found = wave.run(vectors, view, settings).to_vec();
+            let found = wave.run(simd, view, settings).to_vec();
             assert_same("full", &starts, &found, &expected);
             assert!(!wave.is_full());
         }
@@ -103,7 +103,7 @@ fn paths_beyond_the_capacity_are_left_out() {
 #[test]
 fn the_order_of_paths_is_of_no_matter() {
     let files = Files::new();
-    let mut wave: Box<Wave<SobolSampler, 1024>> = bytemuck::zeroed_box();
+    let mut wave: Box<Wavefront<SobolSampler, 1024>> = bytemuck::zeroed_box();
     for room in rooms() {
         with_view(&room.build(&files), |view, settings| {
             let mut starts = starts(view, SobolSampler::new);
@@ -112,8 +112,8 @@ fn the_order_of_paths_is_of_no_matter() {
             starts = (0..count).map(|i| starts[i * 577 % count]).collect();
             let expected = one_by_one(view, settings, &starts);
             assert!(lit_share(&expected) > 0.4);
-            for vectors in all_vectors() {
-                let found = in_waves(&mut wave, usize::MAX, vectors, view, settings, &starts);
+            for simd in all_simd_levels() {
+                let found = in_waves(&mut wave, usize::MAX, simd, view, settings, &starts);
                 assert_same("shuffled", &starts, &found, &expected);
             }
         });

@@ -63,7 +63,7 @@ last_stage!(scatter, |view, settings, path| staged::scatter(
     &settings,
     path
 ));
-last_stage!(look_through, |view, settings, path| staged::look_through(
+last_stage!(look_through, |view, settings, path| staged::continue_through_masks(
     &view.tables,
     path
 ));

@@ -1,10 +1,11 @@
 //! Single lobes through the kernel's interface of lobes: value and density, samples, colours, bounds.
 
 use bytemuck::{Pod, Zeroable};
-use halflight_kernel::bsdf::{Coat, Lobe, MAX_COATS, event, lobe};
+use halflight_kernel::bsdf::{Coat, Lobe, event, lobe};
 use halflight_kernel::glam::{Vec2, Vec3};
 use halflight_kernel::math::Frame;
 use halflight_kernel::regularize::regularized_bsdf;
+use halflight_kernel::scene::MAX_COATS;
 use halflight_kernel::scene::lobe_kind;
 
 /// A coat.

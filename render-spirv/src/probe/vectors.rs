@@ -3,9 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 use halflight_kernel::bsdf::fresnel;
 use halflight_kernel::glam::{Vec2, Vec3};
+use halflight_kernel::manifold::disk_lobe::{self, DiskLobe};
 use halflight_kernel::manifold::half_vector as half;
-use halflight_kernel::math::disk_lobe::{self, DiskLobe};
-use halflight_kernel::math::slope_gaussian::SlopeGaussian;
+use halflight_kernel::manifold::slope_gaussian::SlopeGaussian;
 use halflight_kernel::math::{Frame, moebius, warp};
 use halflight_kernel::regularize::{cone, mollifier};
 

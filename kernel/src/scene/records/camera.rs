@@ -1,5 +1,7 @@
 //! The sensor with its film and filter.
 
+use crate::math::filter::Filter;
+pub use crate::math::filter::filter_kind;
 use bytemuck::{Pod, Zeroable};
 
 /// Kinds of [`Camera`].
@@ -10,22 +12,6 @@ pub mod camera_kind {
     pub const THIN_LENS: u32 = 1;
     /// Parallel rays along +z; the film spans [-1, 1] in x of the local frame.
     pub const ORTHOGRAPHIC: u32 = 2;
-}
-
-/// Reconstruction filters.
-pub mod filter_kind {
-    /// Box, radius `filter_parameters[0]`.
-    pub const BOX: u32 = 0;
-    /// Tent, radius `filter_parameters[0]`.
-    pub const TENT: u32 = 1;
-    /// Truncated gaussian, radius and standard deviation, shifted to zero at the radius.
-    pub const GAUSSIAN: u32 = 2;
-    /// Mitchell-Netravali, radius 2, parameters B and C in `[1]`, `[2]`.
-    pub const MITCHELL: u32 = 3;
-    /// Catmull-Rom, radius 2.
-    pub const CATMULL_ROM: u32 = 4;
-    /// Lanczos-windowed sinc, radius `filter_parameters[0]` (lobes).
-    pub const LANCZOS: u32 = 5;
 }
 
 /// The sensor and its film.
@@ -64,4 +50,17 @@ pub struct Camera {
     pub filter_table: u32,
     /// Number of steps of the table over [-radius, radius]; it has twice as many words. Zero samples evenly.
     pub filter_table_size: u32,
+}
+
+impl Camera {
+    /// The reconstruction filter of the film.
+    #[inline]
+    pub fn reconstruction_filter(&self) -> Filter {
+        Filter {
+            kind: self.filter,
+            parameters: self.filter_parameters,
+            table: self.filter_table,
+            table_size: self.filter_table_size,
+        }
+    }
 }

@@ -3,13 +3,19 @@
 use super::{NONE, RgbParameter, ScalarParameter};
 use bytemuck::{Pod, Zeroable};
 
+/// The most lobes of a flattened material.
+pub const MAX_LOBES: usize = 8;
+
+/// The most coats above a lobe.
+pub const MAX_COATS: usize = 2;
+
 /// A material: a run of lobes. Nested plugins are flattened into it when the scene is built.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct Material {
     /// First lobe.
     pub first_lobe: u32,
-    /// Number of lobes, at most [`crate::bsdf::MAX_LOBES`].
+    /// Number of lobes, at most [`MAX_LOBES`].
     pub lobe_count: u32,
     /// Bits of [`material_flag`].
     pub flags: u32,
@@ -19,12 +25,10 @@ pub struct Material {
 pub mod material_flag {
     /// Some lobe is [`super::lobe_kind::NULL`]: shadow rays may pass.
     pub const HAS_NULL: u32 = 1;
-    /// It is one lobe without coats, perturbed frame, mixing factors and absorption.
-    pub const PLAIN: u32 = 2;
     /// Some parameter of some lobe has a texture.
     pub const TEXTURED: u32 = 4;
-    /// First of the eight bits that hold the form of the lobe of a plain material ([`lobe_form`](super::super::lobe_form)).
-    pub const FORM_SHIFT: u32 = 8;
+    /// First of the eight bits that accelerators of an algorithm may use; zeros are no information.
+    pub const ACCELERATOR_SHIFT: u32 = 8;
 }
 
 /// Scattering models.
@@ -128,19 +132,16 @@ pub struct LobeRecord {
     /// Number of coats above the lobe.
     pub coat_count: u32,
     /// The coats, outermost first.
-    pub coats: [CoatRecord; crate::bsdf::MAX_COATS],
+    pub coats: [CoatRecord; MAX_COATS],
     /// Exponent of the exponential power distribution.
     pub exponent: ScalarParameter,
 }
 
 #[cfg(not(target_arch = "spirv"))]
-use super::lobe_form;
-
-#[cfg(not(target_arch = "spirv"))]
 impl LobeRecord {
-    /// Whether nothing lies between the surface and the model, which does not absorb and is not that of
-    /// [`lobe_kind::NULL`].
-    pub fn is_bare(&self) -> bool {
+    /// Whether the lobe is a scattering model alone: it is weighted by nothing, has no coats, absorption or perturbed frame,
+    /// and is not [`lobe_kind::NULL`].
+    pub fn is_plain(&self) -> bool {
         self.kind != lobe_kind::NULL
             && self.factor_count == 0
             && self.coat_count == 0
@@ -170,10 +171,6 @@ impl Material {
         let mut flags = 0;
         if lobes.iter().any(|lobe| lobe.kind == lobe_kind::NULL) {
             flags |= material_flag::HAS_NULL;
-        }
-        if lobes.len() == 1 && lobes[0].is_bare() {
-            let form = lobe_form::of(lobes[0].kind, lobes[0].distribution);
-            flags |= material_flag::PLAIN | form << material_flag::FORM_SHIFT;
         }
         if lobes.iter().any(LobeRecord::is_textured) {
             flags |= material_flag::TEXTURED;

@@ -7,8 +7,6 @@
 mod camera;
 mod emitter;
 mod geometry;
-#[cfg(not(target_arch = "spirv"))]
-pub mod lobe_form;
 mod material;
 mod parameter;
 mod texture;
@@ -17,8 +15,8 @@ pub use camera::{Camera, camera_kind, filter_kind};
 pub use emitter::{Emitter, emitter_kind};
 pub use geometry::{Instance, Quadric, Shape, Triangle, quadric_kind, shape_flag};
 pub use material::{
-    CoatRecord, FrameMap, LobeRecord, Material, WeightFactor, distribution, frame_map_kind,
-    lobe_flag, lobe_kind, material_flag,
+    CoatRecord, FrameMap, LobeRecord, MAX_COATS, MAX_LOBES, Material, WeightFactor, distribution,
+    frame_map_kind, lobe_flag, lobe_kind, material_flag,
 };
 pub use parameter::{RgbParameter, ScalarParameter};
 pub use texture::{Texture, filter_mode, texel_format, texture_kind, wrap_mode};

@@ -1,9 +1,9 @@
 //! Sixteen numbers at a time (AVX-512).
 //!
-//! Functions here and in the walks that use them carry the features of [`Vectors::avx512`], which is how the walks are
+//! Functions here and in the walks that use them carry the features of [`SimdLevel::avx512`], which is how the walks are
 //! entered: their callers have looked for them.
 //!
-//! [`Vectors::avx512`]: halflight_kernel::math::vectors::Vectors::avx512
+//! [`SimdLevel::avx512`]: halflight_kernel::simd::SimdLevel::avx512
 
 use std::arch::x86_64::*;
 

@@ -7,9 +7,9 @@ use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
-use halflight_kernel::bsdf::MAX_COATS;
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
 use halflight_kernel::bsdf::rough_transmittance::{ENTRIES, ROW, ROWS, fill, fill_row};
+use halflight_kernel::scene::MAX_COATS;
 use halflight_kernel::scene::{
     CoatRecord, LobeRecord, NONE, RgbParameter, distribution, lobe_flag, lobe_kind,
 };

@@ -13,11 +13,11 @@ use super::Builder;
 use super::texture::MeshAttributes;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
-use halflight_kernel::bsdf::MAX_LOBES;
 use halflight_kernel::scene::{
-    FrameMap, LobeRecord, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
+    FrameMap, LobeRecord, MAX_LOBES, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
     frame_map_kind, lobe_flag, lobe_kind,
 };
+use halflight_kernel::transport::wavefront::bsdf_variant;
 use layered::Coats;
 pub(super) use layered::TransmittanceTable;
 use parameters::empty_lobe;
@@ -123,7 +123,8 @@ impl Builder {
             self.tables.factors.extend(factors);
             self.tables.lobes.push(record);
         }
-        let flags = Material::flags_of(&self.tables.lobes[first_lobe as usize..]);
+        let lobes = &self.tables.lobes[first_lobe as usize..];
+        let flags = Material::flags_of(lobes) | bsdf_variant::material_flags(lobes);
         self.tables.materials.push(Material {
             first_lobe,
             lobe_count,

@@ -6,9 +6,8 @@ use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::ior;
 use crate::scene::xml::Object;
-use halflight_kernel::bsdf::MAX_COATS;
 use halflight_kernel::scene::{
-    CoatRecord, LobeRecord, NONE, RgbParameter, ScalarParameter, distribution, lobe_flag,
+    CoatRecord, LobeRecord, MAX_COATS, NONE, RgbParameter, ScalarParameter, distribution, lobe_flag,
 };
 
 /// Roughness below which a microfacet model counts as the smooth one.

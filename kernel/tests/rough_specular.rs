@@ -6,7 +6,7 @@ use common::lobes::specular;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::microfacet::visible_normal_pdf;
 use halflight_kernel::bsdf::{
-    BsdfSample, Lobe, dielectric, event, fresnel, mode, rough_conductor, rough_dielectric,
+    BsdfSample, Lobe, dielectric, event, fresnel, mode, model, rough_conductor, rough_dielectric,
 };
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
@@ -29,11 +29,7 @@ fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    if lobe.kind == lobe_kind::ROUGH_CONDUCTOR {
-        rough_conductor::sample(lobe, wi, u1, u2)
-    } else {
-        rough_dielectric::sample(lobe, wi, u1, u2)
-    }
+    model::sample(lobe, &[], wi, u1, u2)
 }
 
 fn direction(z: f32, phi: f32) -> Vec3 {

@@ -5,7 +5,7 @@ mod common;
 use common::lobes::specular;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::{
-    BsdfSample, Lobe, conductor, dielectric, event, fresnel, mode, rough_conductor,
+    BsdfSample, Lobe, conductor, dielectric, event, fresnel, mode, model, rough_conductor,
     rough_dielectric, thin_dielectric,
 };
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
@@ -32,13 +32,7 @@ fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 }
 
 fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    match lobe.kind {
-        lobe_kind::CONDUCTOR => conductor::sample(lobe, wi, u1, u2),
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::sample(lobe, wi, u1, u2),
-        lobe_kind::DIELECTRIC => dielectric::sample(lobe, wi, u1, u2),
-        lobe_kind::THIN_DIELECTRIC => thin_dielectric::sample(lobe, wi, u1, u2),
-        _ => rough_dielectric::sample(lobe, wi, u1, u2),
-    }
+    model::sample(lobe, &[], wi, u1, u2)
 }
 
 fn direction(z: f32, phi: f32) -> Vec3 {

@@ -11,7 +11,7 @@ use super::fresnel::{fresnel_dielectric, reflect};
 use super::{BsdfSample, Lobe, event};
 use crate::math::{Rgb, float};
 use crate::scene::lobe_kind;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The rough reflection, without a cosine.
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
@@ -48,30 +48,22 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     }
 }
 
-/// The mirror direction about the normal (smooth) or about a visible normal (rough).
+/// The rough reflection at a visible normal `m`.
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
+pub fn sample(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;
     }
-    if lobe.kind == lobe_kind::COAT {
-        return smooth(lobe, wi);
-    }
-    let m = lobe.microfacets().sample_visible_normal(wi, u2);
-    let s = direction(wi, m);
-    let pdf = pdf(lobe, wi, s.wo);
-    s.weighted(pdf, eval(lobe, wi, s.wo))
-}
-
-/// The direction of the rough [`sample`] at the visible normal `m`.
-#[inline]
-pub(super) fn direction(wi: Vec3, m: Vec3) -> BsdfSample {
     BsdfSample::towards(reflect(wi, m), event::REFLECTION | event::GLOSSY)
+        .evaluated(|wo| (pdf(lobe, wi, wo), eval(lobe, wi, wo)))
 }
 
 /// The mirror direction of a smooth coat.
 #[inline]
-pub(super) fn smooth(lobe: &Lobe, wi: Vec3) -> BsdfSample {
+pub fn sample_smooth(lobe: &Lobe, wi: Vec3) -> BsdfSample {
+    if wi.z <= 0.0 {
+        return BsdfSample::NONE;
+    }
     BsdfSample {
         wo: Vec3::new(-wi.x, -wi.y, wi.z),
         weight: lobe.specular_reflectance * fresnel_dielectric(wi.z, lobe.eta.x).0,

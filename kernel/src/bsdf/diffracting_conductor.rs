@@ -117,22 +117,10 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     (law.reflection * normals + (1.0 - law.reflection) * slopes) * 0.25 / cos_d
 }
 
-/// A direction reflected at a sampled half vector; `u1` chooses the kind of half vector.
+/// A direction reflected at a sampled half vector: the visible normal that `normal` draws, or one of the diffraction drawn with
+/// `u2`; `u1` chooses.
 #[inline]
-pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    if wi.z <= 0.0 || lobe.table == NONE {
-        return BsdfSample::NONE;
-    }
-    let s = direction(lobe, data, wi, u1, u2, || {
-        lobe.microfacets().sample_visible_normal(wi, u2)
-    });
-    let pdf = pdf(lobe, data, wi, s.wo);
-    s.weighted(pdf, eval(lobe, data, wi, s.wo))
-}
-
-/// The direction of [`sample`], `normal` finds the visible normal of `u2`.
-#[inline]
-pub(super) fn direction(
+pub fn sample(
     lobe: &Lobe,
     data: &[f32],
     wi: Vec3,
@@ -140,6 +128,9 @@ pub(super) fn direction(
     u2: Vec2,
     normal: impl FnOnce() -> Vec3,
 ) -> BsdfSample {
+    if wi.z <= 0.0 || lobe.table == NONE {
+        return BsdfSample::NONE;
+    }
     let law = Law::new(lobe, data, wi.z);
     let h = if u1 < law.reflection {
         normal()
@@ -147,6 +138,7 @@ pub(super) fn direction(
         law.sample_normal(wi, u2)
     };
     BsdfSample::towards(reflect(wi, h), event::GLOSSY | event::REFLECTION)
+        .evaluated(|wo| (pdf(lobe, data, wi, wo), eval(lobe, data, wi, wo)))
 }
 
 /// The law of the half vectors of diffraction, an approximation to the spectrum that can be sampled: slopes with density

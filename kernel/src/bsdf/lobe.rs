@@ -72,6 +72,13 @@ impl Lobe {
         self.may_be(features::FRAME_MAPS) && self.has_frame
     }
 
+    /// Whether normals are sampled from all of the distribution rather than from its visible part, which coatings always do.
+    #[inline]
+    pub fn samples_all_normals(&self) -> bool {
+        self.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0
+            && (self.kind == lobe_kind::ROUGH_CONDUCTOR || self.kind == lobe_kind::ROUGH_DIELECTRIC)
+    }
+
     /// The distribution of microfacets of a rough lobe.
     #[inline]
     pub fn microfacets(&self) -> Microfacets {
@@ -140,17 +147,16 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
 /// [`eval_cosine`] and [`pdf`] together.
 #[inline]
 pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
-    if is_bare(lobe) {
-        if !is_active(lobe.flags, wi) || wo.z == 0.0 {
-            return (Vec3::ZERO, 0.0);
-        }
-        let flip = is_flipped(lobe, wi);
-        let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
-        return (
-            model::eval(lobe, data, wi, wo) * float::abs(wo.z),
-            model::pdf(lobe, data, wi, wo),
-        );
+    if is_plain(lobe) {
+        return plain::eval_cosine_pdf(lobe, data, wi, wo);
     }
+    eval_cosine_pdf_layered(lobe, data, wi, wo)
+}
+
+/// [`eval_cosine_pdf`] of a lobe with coats or a perturbed frame.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(never))]
+fn eval_cosine_pdf_layered(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
     let (i, o) = both_inside(lobe, data, wi, wo);
     if !o.valid {
         return (Vec3::ZERO, 0.0);
@@ -161,52 +167,39 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f
     )
 }
 
-/// [`eval_cosine_pdf`] of a lobe that is bare, see [`is_bare`], in the place of the call: for callers that know its kind.
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-pub(crate) fn eval_cosine_pdf_bare(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
-    if !is_active(lobe.flags, wi) || wo.z == 0.0 {
-        return (Vec3::ZERO, 0.0);
-    }
-    let flip = is_flipped(lobe, wi);
-    let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
-    (
-        model::eval_here(lobe, data, wi, wo) * float::abs(wo.z),
-        model::pdf_here(lobe, data, wi, wo),
-    )
-}
+/// Lobes without coats and perturbed frames ([`is_plain`]). Inlined, so that callers who know the kind get its code alone.
+pub(crate) mod plain {
+    use super::*;
 
-/// [`sample`] of a lobe that is bare and not null, in the place of the call: for callers that know its kind.
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-pub(crate) fn sample_bare(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    if !is_active(lobe.flags, wi) {
-        return BsdfSample::NONE;
+    /// [`eval_cosine_pdf`](super::eval_cosine_pdf) of a plain lobe.
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
+        if !is_active(lobe.flags, wi) || wo.z == 0.0 {
+            return (Vec3::ZERO, 0.0);
+        }
+        let flip = is_flipped(lobe, wi);
+        let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+        (
+            model::eval(lobe, data, wi, wo) * float::abs(wo.z),
+            model::pdf(lobe, data, wi, wo),
+        )
     }
-    let flip = is_flipped(lobe, wi);
-    let mut s = model::sample_here(lobe, data, mirrored(flip, wi), u1, u2);
-    s.wo = mirrored(flip, s.wo);
-    s
-}
 
-/// [`sample_bare`] of a rough kind at the normal, in the frame of the model, that it draws.
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-pub(crate) fn sample_bare_at_normal(
-    lobe: &Lobe,
-    data: &[f32],
-    wi: Vec3,
-    u1: f32,
-    u2: Vec2,
-    m: Vec3,
-) -> BsdfSample {
-    if !is_active(lobe.flags, wi) {
-        return BsdfSample::NONE;
+    /// [`sample`](super::sample) of a plain lobe that is active for `wi`, with `sample_model` for the sampling of its model at
+    /// the direction in the model's frame.
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    pub fn sample(
+        lobe: &Lobe,
+        wi: Vec3,
+        sample_model: impl FnOnce(Vec3) -> BsdfSample,
+    ) -> BsdfSample {
+        let flip = is_flipped(lobe, wi);
+        let mut s = sample_model(mirrored(flip, wi));
+        s.wo = mirrored(flip, s.wo);
+        s
     }
-    let flip = is_flipped(lobe, wi);
-    let mut s = model::sample_at_normal(lobe, data, mirrored(flip, wi), u1, u2, m);
-    s.wo = mirrored(flip, s.wo);
-    s
 }
 
 /// A direction in the surface's local frame with weight f |cos| / pdf.
@@ -218,12 +211,10 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if !is_active(lobe.flags, wi) {
         return BsdfSample::NONE;
     }
-    let flip = is_flipped(lobe, wi);
-    if is_bare(lobe) {
-        let mut s = model::sample(lobe, data, mirrored(flip, wi), u1, u2);
-        s.wo = mirrored(flip, s.wo);
-        return s;
+    if is_plain(lobe) {
+        return plain::sample(lobe, wi, |wi| model::sample(lobe, data, wi, u1, u2));
     }
+    let flip = is_flipped(lobe, wi);
     let i = inside(lobe, data, flip, wi);
     if !i.valid {
         return BsdfSample::NONE;
@@ -264,8 +255,8 @@ pub(crate) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
 
 /// Whether nothing lies between the surface and the model: the common case, which needs none of the maps below.
 #[inline]
-fn is_bare(lobe: &Lobe) -> bool {
-    // In shaders the way through no coats is the only one, as a shortcut would hold a copy of all models.
+fn is_plain(lobe: &Lobe) -> bool {
+    // Not in shaders: the shortcut would be a second copy of all models.
     !cfg!(target_arch = "spirv") && !lobe.has_coats() && !lobe.has_map()
 }
 

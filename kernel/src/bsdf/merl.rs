@@ -197,14 +197,6 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if wi.z <= 0.0 {
         return BsdfSample::NONE;
     }
-    let s = direction(lobe, data, wi, u1, u2);
-    let pdf = pdf(lobe, data, wi, s.wo);
-    s.weighted(pdf, eval(lobe, data, wi, s.wo))
-}
-
-/// The direction of [`sample`].
-#[inline]
-pub(super) fn direction(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
     let wo = if u1 < DEFENSIVE {
         warp::square_to_cosine_hemisphere(u2)
     } else {
@@ -212,6 +204,7 @@ pub(super) fn direction(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) 
         reflect(wi, sample_half_vector(data, lobe.table, wi.z, u, u2))
     };
     BsdfSample::towards(wo, event::REFLECTION | event::GLOSSY)
+        .evaluated(|wo| (pdf(lobe, data, wi, wo), eval(lobe, data, wi, wo)))
 }
 
 /// Directional albedo of the cell of theta_i.

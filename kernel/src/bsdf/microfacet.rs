@@ -31,6 +31,7 @@ pub mod phong;
 pub mod v_cavity;
 
 use crate::math::float::{abs, safe_sqrt};
+use crate::math::frame::upper_unit_vector;
 use crate::scene::distribution as kinds;
 use glam::{Vec2, Vec3};
 
@@ -200,7 +201,7 @@ impl Microfacets {
     /// The unit normal that a normal of unit roughness is stretched back to.
     #[inline]
     pub(crate) fn unstretched(&self, h: Vec3) -> Vec3 {
-        unit_normal(self.alpha.x * h.x, self.alpha.y * h.y, h.z)
+        upper_unit_vector(self.alpha.x * h.x, self.alpha.y * h.y, h.z)
     }
 
     /// Density per solid angle of [`Microfacets::sample_visible_normal`].
@@ -314,12 +315,12 @@ impl Microfacets {
             radius,
             u.x,
         );
-        unit_normal(stretch.x * slope.x, stretch.y * slope.y, 1.0)
+        upper_unit_vector(stretch.x * slope.x, stretch.y * slope.y, 1.0)
     }
 
     #[inline]
     fn stretch_slope(&self, slope: Vec2) -> Vec3 {
-        unit_normal(self.alpha.x * slope.x, self.alpha.y * slope.y, 1.0)
+        upper_unit_vector(self.alpha.x * slope.x, self.alpha.y * slope.y, 1.0)
     }
 }
 
@@ -363,15 +364,4 @@ pub fn sample_normal(kind: u32, alpha: Vec2, u: Vec2) -> Vec3 {
 #[inline]
 pub fn normal_pdf(kind: u32, alpha: Vec2, m: Vec3) -> f32 {
     Microfacets::new(kind, alpha, 1.0).normal_pdf(m)
-}
-
-/// The unit vector along `(x, y, z)`, `z >= 0`; up when all vanish.
-#[inline]
-fn unit_normal(x: f32, y: f32, z: f32) -> Vec3 {
-    let m = Vec3::new(x, y, z.max(0.0));
-    let length = safe_sqrt(m.length_squared());
-    if length < 1e-18 {
-        return Vec3::Z;
-    }
-    m * (1.0 / length)
 }

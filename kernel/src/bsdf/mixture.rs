@@ -347,40 +347,32 @@ impl Bsdf {
     }
 }
 
-/// What [`Bsdf::eval_cosine_pdf`] and [`Bsdf::sample`] are for a mixture of one lobe of weight one that is bare, in the place
-/// of the call: for callers that know its kind.
+/// [`Bsdf`] of one plain lobe of weight one ([`lobe::plain`]). Inlined, so that callers who know the kind get its code alone.
 #[cfg(not(target_arch = "spirv"))]
 pub(crate) mod plain {
     use super::*;
+    use crate::bsdf::model;
 
     /// [`Bsdf::eval_cosine_pdf`].
     #[inline(always)]
     pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
-        let (f, p) = lobe::eval_cosine_pdf_bare(lobe, data, wi, wo);
+        let (f, p) = lobe::plain::eval_cosine_pdf(lobe, data, wi, wo);
         // The sums of the mixture turn negative zeros into positive ones.
         (Vec3::ZERO + f, 0.0 + p)
     }
 
-    /// [`Bsdf::sample`].
+    /// [`Bsdf::sample`]; rough models reflect or refract at the normal `m`, in the frame of the model, that they draw with `u2`.
     #[inline(always)]
-    pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-        let s = lobe::sample_bare(lobe, data, wi, u1.min(ONE_MINUS_EPSILON), u2);
-        if s.pdf <= 0.0 { BsdfSample::NONE } else { s }
-    }
-
-    /// [`sample`] of a rough kind at the normal that it draws.
-    #[inline(always)]
-    pub fn sample_at_normal(
-        lobe: &Lobe,
-        data: &[f32],
-        wi: Vec3,
-        u1: f32,
-        u2: Vec2,
-        m: Vec3,
-    ) -> BsdfSample {
+    pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2, m: Vec3) -> BsdfSample {
         let u1 = u1.min(ONE_MINUS_EPSILON);
-        let s = lobe::sample_bare_at_normal(lobe, data, wi, u1, u2, m);
-        if s.pdf <= 0.0 { BsdfSample::NONE } else { s }
+        let s = lobe::plain::sample(lobe, wi, |wi| {
+            model::sample_with_normal(lobe, data, wi, u1, u2, || m)
+        });
+        if !lobe::is_active(lobe.flags, wi) || s.pdf <= 0.0 {
+            BsdfSample::NONE
+        } else {
+            s
+        }
     }
 }
 

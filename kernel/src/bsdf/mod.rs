@@ -104,16 +104,30 @@ impl BsdfSample {
         }
     }
 
-    /// The sample with its density and the BSDF's value there.
-    #[inline]
-    pub(crate) fn weighted(self, pdf: f32, value: Rgb) -> BsdfSample {
-        if pdf <= 0.0 {
-            return BsdfSample::NONE;
+    /// The reflected direction with the density and the value of its model, which `evaluate` finds. Shaders leave both to
+    /// [`Bsdf::mix`], which evaluates all lobes anyway: their compilers would copy the evaluation.
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    pub(crate) fn evaluated(self, evaluate: impl FnOnce(Vec3) -> (f32, Rgb)) -> BsdfSample {
+        #[cfg(target_arch = "spirv")]
+        {
+            let _ = evaluate;
+            BsdfSample {
+                event: self.event | event::UNWEIGHTED,
+                ..self
+            }
         }
-        BsdfSample {
-            weight: value * (self.wo.z / pdf),
-            pdf,
-            ..self
+        #[cfg(not(target_arch = "spirv"))]
+        {
+            let (pdf, value) = evaluate(self.wo);
+            if pdf <= 0.0 {
+                return BsdfSample::NONE;
+            }
+            BsdfSample {
+                weight: value * (self.wo.z / pdf),
+                pdf,
+                ..self
+            }
         }
     }
 }

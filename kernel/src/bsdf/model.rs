@@ -14,15 +14,9 @@ use crate::scene::{features, lobe_kind};
 use glam::{Vec2, Vec3};
 
 /// The BSDF without a cosine.
-#[inline]
-pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
-    eval_here(lobe, data, wi, wo)
-}
-
-/// [`eval`] in the place of the call, for callers that know the lobe's kind.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub fn eval_here(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     match lobe.kind {
         lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
             diffuse::eval(lobe, wi, wo)
@@ -59,15 +53,9 @@ pub fn eval_here(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
 }
 
 /// Density of [`sample`] per solid angle.
-#[inline]
-pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
-    pdf_here(lobe, data, wi, wo)
-}
-
-/// [`pdf`] in the place of the call, for callers that know the lobe's kind.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub fn pdf_here(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     match lobe.kind {
         lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
             diffuse::pdf(lobe, wi, wo)
@@ -102,134 +90,63 @@ pub fn pdf_here(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     }
 }
 
-/// A direction in the model's frame with weight f |cos| / pdf.
-#[cfg(not(target_arch = "spirv"))]
-#[inline]
-pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    sample_here(lobe, data, wi, u1, u2)
-}
+/// The kinds with microfacets, as features.
+#[cfg(target_arch = "spirv")]
+const MICROFACET_KINDS: u32 = features::lobe(lobe_kind::ROUGH_CONDUCTOR)
+    | features::lobe(lobe_kind::ROUGH_DIELECTRIC)
+    | features::lobe(lobe_kind::ROUGH_PLASTIC)
+    | features::lobe(lobe_kind::ROUGH_COAT)
+    | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR);
 
-/// [`sample`] in the place of the call, for callers that know the lobe's kind.
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-pub fn sample_here(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    match lobe.kind {
-        lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
-            diffuse::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::CONDUCTOR)) => {
-            conductor::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::ROUGH_CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::ROUGH_CONDUCTOR)) => {
-            rough_conductor::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::DIELECTRIC)) => {
-            dielectric::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::THIN_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::THIN_DIELECTRIC)) => {
-            thin_dielectric::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::ROUGH_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIELECTRIC)) => {
-            rough_dielectric::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::PLASTIC if lobe.may_be(features::lobe(lobe_kind::PLASTIC)) => {
-            plastic::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::ROUGH_PLASTIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_PLASTIC)) => {
-            rough_plastic::sample(lobe, data, wi, u1, u2)
-        }
-        lobe_kind::COAT | lobe_kind::ROUGH_COAT
-            if lobe.may_be(
-                features::lobe(lobe_kind::COAT) | features::lobe(lobe_kind::ROUGH_COAT),
-            ) =>
-        {
-            coat_reflection::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
-            merl::sample(lobe, data, wi, u1, u2)
-        }
-        lobe_kind::NULL if lobe.may_be(features::lobe(lobe_kind::NULL)) => {
-            super::null::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::ROUGH_DIFFUSE if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIFFUSE)) => {
-            rough_diffuse::sample(lobe, wi, u1, u2)
-        }
-        lobe_kind::DIFFRACTING_CONDUCTOR
-            if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
-        {
-            diffracting_conductor::sample(lobe, data, wi, u1, u2)
-        }
-        _ => BsdfSample::NONE,
-    }
-}
-
-/// [`sample`] of a rough kind at the normal `m` that was drawn with `u2`, in the place of the call.
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-pub fn sample_at_normal(
-    lobe: &Lobe,
-    data: &[f32],
-    wi: Vec3,
-    u1: f32,
-    u2: Vec2,
-    m: Vec3,
-) -> BsdfSample {
-    match lobe.kind {
-        lobe_kind::ROUGH_CONDUCTOR => rough_conductor::sample_at_normal(lobe, wi, m),
-        lobe_kind::ROUGH_DIELECTRIC => rough_dielectric::sample_at_normal(lobe, wi, u1, m),
-        lobe_kind::ROUGH_PLASTIC => rough_plastic::sample_at_normal(lobe, data, wi, u1, u2, || m),
-        _ => BsdfSample::NONE,
-    }
-}
-
-/// The kinds, as features, of which [`sample`] finds the direction only.
+/// The kinds, as features, that leave value and density of a sample to [`super::Bsdf::mix`], see [`BsdfSample`].
 #[cfg(target_arch = "spirv")]
 pub const UNWEIGHTED_KINDS: u32 = features::lobe(lobe_kind::ROUGH_PLASTIC)
     | features::lobe(lobe_kind::ROUGH_COAT)
     | features::lobe(lobe_kind::MERL)
     | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR);
 
-/// A direction in the model's frame, without its weight where [`event::UNWEIGHTED`] says so.
-///
-/// This is the host's function arranged for shader compilers, which copy all functions to their callers: normals are
-/// sampled in one place for all rough models, and value and density of a direction are left to
-/// [`super::Bsdf::mix`], which evaluates all lobes there anyway.
-#[cfg(target_arch = "spirv")]
+/// The microfacet normal that a rough lobe draws with `u2`.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+fn sample_facet_normal(lobe: &Lobe, wi: Vec3, u2: Vec2) -> Vec3 {
+    let facets = lobe.microfacets();
+    if lobe.samples_all_normals() {
+        facets.sample_normal(u2)
+    } else {
+        facets.sample_visible_normal(rough_dielectric::above(wi), u2)
+    }
+}
+
+/// A direction in the model's frame with weight f |cos| / pdf.
 #[inline]
 pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    let kind = lobe.kind;
-    let is_rough = kind == lobe_kind::ROUGH_CONDUCTOR || kind == lobe_kind::ROUGH_DIELECTRIC;
-    let takes_values = UNWEIGHTED_KINDS & features::lobe(kind) != 0;
-    if (takes_values || kind == lobe_kind::ROUGH_CONDUCTOR || kind == lobe_kind::COAT)
-        && wi.z <= 0.0
-        || kind == lobe_kind::DIFFRACTING_CONDUCTOR && lobe.table == crate::scene::NONE
-        || kind == lobe_kind::ROUGH_DIELECTRIC && wi.z == 0.0
+    // A shader compiler copies functions to their callers: it gets a single one to the sampling of normals.
+    #[cfg(target_arch = "spirv")]
     {
-        return BsdfSample::NONE;
+        let m =
+            if lobe.may_be(MICROFACET_KINDS) && MICROFACET_KINDS & features::lobe(lobe.kind) != 0 {
+                sample_facet_normal(lobe, wi, u2)
+            } else {
+                Vec3::Z
+            };
+        sample_with_normal(lobe, data, wi, u1, u2, || m)
     }
-    if kind == lobe_kind::ROUGH_DIELECTRIC
-        && float::abs(lobe.eta.x - 1.0) <= rough_dielectric::INDEX_MATCHED
-    {
-        return rough_dielectric::straight(lobe, wi);
-    }
-    let mut m = Vec3::Z;
-    let may_be_rough = lobe.may_be(
-        features::lobe(lobe_kind::ROUGH_CONDUCTOR)
-            | features::lobe(lobe_kind::ROUGH_DIELECTRIC)
-            | features::lobe(lobe_kind::ROUGH_PLASTIC)
-            | features::lobe(lobe_kind::ROUGH_COAT)
-            | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR),
-    );
-    if may_be_rough && (is_rough || takes_values) {
-        let facets = lobe.microfacets();
-        let all = is_rough && lobe.flags & crate::scene::lobe_flag::SAMPLE_ALL_NORMALS != 0;
-        m = if all {
-            facets.sample_normal(u2)
-        } else {
-            facets.sample_visible_normal(rough_dielectric::above(wi), u2)
-        };
-    }
-    let mut s = match kind {
+    #[cfg(not(target_arch = "spirv"))]
+    sample_with_normal(lobe, data, wi, u1, u2, || sample_facet_normal(lobe, wi, u2))
+}
+
+/// [`sample`] with the microfacet normal of rough models drawn by `normal`.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn sample_with_normal(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    normal: impl FnOnce() -> Vec3,
+) -> BsdfSample {
+    match lobe.kind {
         lobe_kind::DIFFUSE if lobe.may_be(features::lobe(lobe_kind::DIFFUSE)) => {
             diffuse::sample(lobe, wi, u1, u2)
         }
@@ -237,7 +154,7 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
             conductor::sample(lobe, wi, u1, u2)
         }
         lobe_kind::ROUGH_CONDUCTOR if lobe.may_be(features::lobe(lobe_kind::ROUGH_CONDUCTOR)) => {
-            rough_conductor::at_normal(lobe, wi, m)
+            rough_conductor::sample(lobe, wi, normal())
         }
         lobe_kind::DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::DIELECTRIC)) => {
             dielectric::sample(lobe, wi, u1, u2)
@@ -246,22 +163,22 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
             thin_dielectric::sample(lobe, wi, u1, u2)
         }
         lobe_kind::ROUGH_DIELECTRIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIELECTRIC)) => {
-            rough_dielectric::at_normal(lobe, wi, u1, m)
+            rough_dielectric::sample(lobe, wi, u1, normal())
         }
         lobe_kind::PLASTIC if lobe.may_be(features::lobe(lobe_kind::PLASTIC)) => {
             plastic::sample(lobe, wi, u1, u2)
         }
         lobe_kind::ROUGH_PLASTIC if lobe.may_be(features::lobe(lobe_kind::ROUGH_PLASTIC)) => {
-            rough_plastic::direction(lobe, data, wi, u1, u2, || m)
+            rough_plastic::sample(lobe, data, wi, u1, u2, normal)
         }
         lobe_kind::COAT if lobe.may_be(features::lobe(lobe_kind::COAT)) => {
-            coat_reflection::smooth(lobe, wi)
+            coat_reflection::sample_smooth(lobe, wi)
         }
         lobe_kind::ROUGH_COAT if lobe.may_be(features::lobe(lobe_kind::ROUGH_COAT)) => {
-            coat_reflection::direction(wi, m)
+            coat_reflection::sample(lobe, wi, normal())
         }
         lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
-            merl::direction(lobe, data, wi, u1, u2)
+            merl::sample(lobe, data, wi, u1, u2)
         }
         lobe_kind::ROUGH_DIFFUSE if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIFFUSE)) => {
             rough_diffuse::sample(lobe, wi, u1, u2)
@@ -269,14 +186,10 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
         lobe_kind::DIFFRACTING_CONDUCTOR
             if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
         {
-            diffracting_conductor::direction(lobe, data, wi, u1, u2, || m)
+            diffracting_conductor::sample(lobe, data, wi, u1, u2, normal)
         }
         _ => BsdfSample::NONE,
-    };
-    if takes_values {
-        s.event |= event::UNWEIGHTED;
     }
-    s
 }
 
 /// What the model reflects and transmits, roughly; see [`super::lobe::albedo`].

@@ -4,14 +4,13 @@
 //! in the form of Walter et al. 2007, equation 20), written with projected areas `A = w.z / G1`: `F D / (4 A A)`, which
 //! has no pole. One-sided: nothing when `wi` or `wo` is below the horizon.
 //!
-//! Normals are sampled from those visible to `wi`; with [`lobe_flag::SAMPLE_ALL_NORMALS`] from `D(m) m.z`. Checked: the
+//! Normals are sampled from those visible to `wi`; with [`SAMPLE_ALL_NORMALS`](crate::scene::lobe_flag::SAMPLE_ALL_NORMALS) from `D(m) m.z`. Checked: the
 //! density by chi-square, reciprocity, values against another renderer.
 
 use super::fresnel::{fresnel_conductor, reflect};
 use super::{BsdfSample, Lobe, event};
 use crate::math::Rgb;
-use crate::scene::lobe_flag;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// BSDF without a cosine.
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
@@ -45,35 +44,11 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     pdf_of_normal(lobe, wi, m) * solid_angle_of_reflection(cos_i)
 }
 
-/// A direction reflected at a sampled normal; `u1` is not used.
-#[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
-    if wi.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
-    let facets = lobe.microfacets();
-    let m = if all {
-        facets.sample_normal(u2)
-    } else {
-        facets.sample_visible_normal(wi, u2)
-    };
-    at_normal(lobe, wi, m)
-}
-
-/// [`sample`] at the normal that it draws.
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-pub(super) fn sample_at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
-    let s = at_normal(lobe, wi, m);
-    if wi.z <= 0.0 { BsdfSample::NONE } else { s }
-}
-
-/// The reflection of [`sample`] at its normal.
+/// The reflection at a sampled microfacet normal `m`.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
-    let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
+pub fn sample(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
+    let all = lobe.samples_all_normals();
     let facets = lobe.microfacets();
     let cos_i = wi.dot(m);
     let wo = reflect(wi, m);
@@ -92,7 +67,7 @@ pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
         eta: 1.0,
         event: event::GLOSSY | event::REFLECTION,
     };
-    if cos_i > 0.0 && wo.z > 0.0 && pdf > 0.0 {
+    if wi.z > 0.0 && cos_i > 0.0 && wo.z > 0.0 && pdf > 0.0 {
         s
     } else {
         BsdfSample::NONE
@@ -103,7 +78,7 @@ pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
-    if lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0 {
+    if lobe.samples_all_normals() {
         lobe.microfacets().normal_pdf(m)
     } else {
         lobe.microfacets().visible_normal_pdf(wi, m)

@@ -20,8 +20,7 @@ use super::fresnel::{fresnel_dielectric, reflect, refract, relative_eta};
 use super::{BsdfSample, Lobe, event, mode};
 use crate::math::Rgb;
 use crate::math::float::abs;
-use crate::scene::lobe_flag;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Largest distance of the relative index from 1 at which the boundary is taken as absent.
 pub const INDEX_MATCHED: f32 = 1e-4;
@@ -133,50 +132,18 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     }
 }
 
-/// A direction reflected or refracted at a sampled normal.
-#[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    if wi.z == 0.0 {
-        return BsdfSample::NONE;
-    }
-    if abs(lobe.eta.x - 1.0) <= INDEX_MATCHED {
-        return straight(lobe, wi);
-    }
-    let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
-    let facets = lobe.microfacets();
-    let m = if all {
-        facets.sample_normal(u2)
-    } else {
-        facets.sample_visible_normal(above(wi), u2)
-    };
-    at_normal(lobe, wi, u1, m)
-}
-
-/// [`sample`] at the normal that it draws.
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-pub(super) fn sample_at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
-    // Nothing is on the side of a direction in the horizon.
-    let s = at_normal(lobe, wi, u1, m);
-    if abs(lobe.eta.x - 1.0) <= INDEX_MATCHED && wi.z != 0.0 {
-        straight(lobe, wi)
-    } else {
-        s
-    }
-}
-
-/// The reflection or refraction of [`sample`] at its normal.
+/// The reflection or refraction at a sampled microfacet normal `m`; `u1` chooses between them.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
-    let all = lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0;
+pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
+    let all = lobe.samples_all_normals();
     let facets = lobe.microfacets();
     let cos_i = wi.dot(m);
     let (reflectance, cos_t) = fresnel_dielectric(cos_i, lobe.eta.x);
     let eta = relative_eta(cos_i, lobe.eta.x);
     let density = pdf_of_normal(lobe, wi, m);
 
-    // Both ways, of which one is taken: lanes of a vector go both together.
+    // Both events are computed and one is selected: lanes of a vector cannot branch apart.
     let is_reflected = u1 < reflectance;
     let reflected = reflect(wi, m);
     let reflected_pdf = density * reflectance * solid_angle_of_reflection(cos_i);
@@ -215,7 +182,9 @@ pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
     };
     let side = s.wo.z * wi.z;
     let is_there = if is_reflected { side > 0.0 } else { side < 0.0 };
-    if cos_i * wi.z > 0.0 && is_there && s.pdf > 0.0 {
+    if abs(lobe.eta.x - 1.0) <= INDEX_MATCHED && wi.z != 0.0 {
+        straight(lobe, wi)
+    } else if cos_i * wi.z > 0.0 && is_there && s.pdf > 0.0 {
         s
     } else {
         BsdfSample::NONE
@@ -224,7 +193,7 @@ pub(super) fn at_normal(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
 
 /// Straight on, where there is no boundary.
 #[inline]
-pub(super) fn straight(lobe: &Lobe, wi: Vec3) -> BsdfSample {
+fn straight(lobe: &Lobe, wi: Vec3) -> BsdfSample {
     BsdfSample {
         wo: -wi,
         weight: lobe.specular_transmittance,
@@ -244,7 +213,7 @@ pub(crate) fn above(w: Vec3) -> Vec3 {
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
-    if lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0 {
+    if lobe.samples_all_normals() {
         lobe.microfacets().normal_pdf(m)
     } else {
         lobe.microfacets().visible_normal_pdf(above(wi), m)

@@ -44,35 +44,11 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     }
 }
 
-/// A direction of the coating or of the base, `u1` chooses, weighted by the whole.
-#[inline]
-pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    sample_at_normal(lobe, data, wi, u1, u2, || {
-        lobe.microfacets().sample_visible_normal(wi, u2)
-    })
-}
-
-/// [`sample`] at the normal that `normal` finds.
+/// A direction of the coating, reflected at the visible normal that `normal` draws, or of the base, drawn with `u2`; `u1`
+/// chooses.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub(super) fn sample_at_normal(
-    lobe: &Lobe,
-    data: &[f32],
-    wi: Vec3,
-    u1: f32,
-    u2: Vec2,
-    normal: impl FnOnce() -> Vec3,
-) -> BsdfSample {
-    let s = direction(lobe, data, wi, u1, u2, normal);
-    // No density, and so no sample, from below.
-    let pdf = pdf(lobe, data, wi, s.wo);
-    s.weighted(pdf, eval(lobe, data, wi, s.wo))
-}
-
-/// The direction of [`sample`], `normal` finds the visible normal of `u2`.
-#[cfg_attr(target_arch = "spirv", inline)]
-#[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub(super) fn direction(
+pub fn sample(
     lobe: &Lobe,
     data: &[f32],
     wi: Vec3,
@@ -81,12 +57,14 @@ pub(super) fn direction(
     normal: impl FnOnce() -> Vec3,
 ) -> BsdfSample {
     let p = plastic::specular_probability(lobe, wi.z, 1.0 - passed(lobe, data, wi.z));
-    if u1 < p {
+    let s = if u1 < p {
         BsdfSample::towards(reflect(wi, normal()), event::REFLECTION | event::GLOSSY)
     } else {
         let wo = warp::square_to_cosine_hemisphere(u2);
         BsdfSample::towards(wo, event::REFLECTION | event::DIFFUSE)
-    }
+    };
+    let s = s.evaluated(|wo| (pdf(lobe, data, wi, wo), eval(lobe, data, wi, wo)));
+    if wi.z <= 0.0 { BsdfSample::NONE } else { s }
 }
 
 /// Share of the light from cosine `cos` that passes the coating.

@@ -76,3 +76,14 @@ impl Frame {
         self.s * v.x + self.t * v.y + self.n * v.z
     }
 }
+
+/// The unit vector along `(x, y, z)` with `z` clamped to zero from below; `Z` if all vanish.
+#[inline]
+pub fn upper_unit_vector(x: f32, y: f32, z: f32) -> Vec3 {
+    let m = Vec3::new(x, y, z.max(0.0));
+    let length = super::float::safe_sqrt(m.length_squared());
+    if length < 1e-18 {
+        return Vec3::Z;
+    }
+    m * (1.0 / length)
+}

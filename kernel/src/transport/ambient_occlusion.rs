@@ -4,7 +4,7 @@
 //! Cosine sampling makes the estimator the fraction of unoccluded rays. A point that sees nothing occluded is 1, a
 //! closed corner tends to 0; rays that leave the scene are 0, so that silhouettes stand out.
 
-use super::IntegratorSettings;
+use super::settings::IntegratorSettings;
 use crate::math::warp::square_to_cosine_hemisphere;
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;

@@ -3,7 +3,7 @@
 //! Masks are looked through at random by their opacity, mirrors and glass are not followed. A ray that leaves the scene
 //! returns zeros with `hit` false.
 
-use super::sensor_ray;
+use super::pixel::camera_ray;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb, luminance};
@@ -48,7 +48,7 @@ pub fn sample_pixel<T: Traverse, S: Sampler>(
     sampler: &mut S,
     pixel: [u32; 2],
 ) -> (SurfaceFeatures, f32) {
-    let sample = sensor_ray(&view.tables, sampler, pixel);
+    let sample = camera_ray(&view.tables, sampler, pixel);
     (features(view, sampler, &sample.ray), sample.weight)
 }
 

@@ -9,9 +9,9 @@
 //! The walk from the sensor and those of the BSDF samples, its branches, are [`Path`]s of which each step is called here,
 //! or by [`super::staged`].
 
-use super::IntegratorSettings;
 use super::connection::{SampleCounts, connect, is_same_side};
 use super::path::{Path, Scattering, step};
+use super::settings::IntegratorSettings;
 use super::visibility::transmittance;
 use crate::bsdf::{Bsdf, BsdfSample, event, mode};
 use crate::math::{Ray, Rgb};

@@ -16,8 +16,8 @@
 //! the path in a buffer.
 //! Invariant (tests): the mean does not depend on `rr_depth`, on the sampler or on which of the two techniques is used.
 
-use super::IntegratorSettings;
 use super::connection::{Connection, SampleCounts, connect, is_same_side, power_heuristic};
+use super::settings::IntegratorSettings;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
 use crate::bsdf::{Bsdf, BsdfSample, event, mode, null_transmittance};
 use crate::math::{Ray, Rgb};

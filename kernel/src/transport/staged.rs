@@ -15,14 +15,15 @@
 //! A stage leaves paths alone whose step is another's. Invariant (tests): the same numbers, to the bit, as
 //! [`super::path::radiance`] and [`super::direct::radiance`].
 
-use super::IntegratorSettings;
 use super::connection::{
     Connection, SampleCounts, evaluate_light, sample_light, skip_light_numbers,
 };
 use super::direct;
 use super::path::{Path, Scattering, step};
+use super::pixel::camera_ray;
+use super::settings::IntegratorSettings;
+use super::settings::integrator_kind;
 use super::visibility::transmittance;
-use super::{integrator_kind, sensor_ray};
 use crate::bsdf::{Bsdf, BsdfSample, mode};
 use crate::math::{Ray, Rgb, vec3};
 use crate::sampler::{AnySampler, Sampler};
@@ -219,7 +220,7 @@ pub fn begin(
     pixel: [u32; 2],
 ) -> PathRecord {
     let mut sampler = sampler;
-    let sample = sensor_ray(tables, &mut sampler, pixel);
+    let sample = camera_ray(tables, &mut sampler, pixel);
     let path = Path::new(&sample.ray);
     let ray = RayRecord::new(&sample.ray);
     let mut record = PathRecord {

@@ -12,6 +12,7 @@
 //! `alpha` is at most 1: beyond, the density grows towards the horizon without bound.
 
 use crate::math::float::{exp, ln, ln_1p, safe_sqrt, sin_cos_turns, sqrt};
+use crate::math::frame::upper_unit_vector;
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
@@ -91,7 +92,7 @@ pub fn sample_normal(alpha: Vec2, u: Vec2) -> Vec3 {
     let (x, y) = (sqrt(ny) * c, sqrt(nx) * s);
     let scale = 1.0 / safe_sqrt(x * x + y * y);
     let t = slope_of(exponent_along(alpha, x, y), u.y);
-    super::unit_normal(x * scale * t, y * scale * t, 1.0)
+    upper_unit_vector(x * scale * t, y * scale * t, 1.0)
 }
 
 /// `-2 t / (d ln P / dt)` for the slope density `P ~ (1 + t^2)^(-(n + 4) / 2)`: `2 (1 + t^2) / (n + 4)`; `inverse` is

@@ -13,7 +13,7 @@ use crate::simd::multiversioned;
 use crate::transport::IntegratorSettings;
 use crate::transport::path::step;
 use bytemuck::Zeroable;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 /// Samples of up to `N` lobes.
 #[repr(C, align(64))]
@@ -65,12 +65,8 @@ multiversioned! {
             let wi = points.wi.get(k);
             let u1 = numbers[3][k];
             let u2 = Vec2::new(numbers[4][k], numbers[5][k]);
-            let sample = if bsdf_variant::is_rough(VARIANT) {
-                let m = normals.m.get(k);
-                mixture::plain::sample_at_normal(&lobe, data, wi, u1, u2, m)
-            } else {
-                mixture::plain::sample(&lobe, data, wi, u1, u2)
-            };
+            let m = if bsdf_variant::is_rough(VARIANT) { normals.m.get(k) } else { Vec3::Z };
+            let sample = mixture::plain::sample(&lobe, data, wi, u1, u2, m);
             samples.set(k, &sample);
         }
     }

@@ -1,4 +1,4 @@
-//! Camera rays in lanes: [`sensor_ray`](crate::transport::sensor_ray).
+//! Camera rays in lanes: [`camera_ray`](crate::transport::camera_ray).
 //!
 //! Film positions are drawn from the reconstruction filter one axis after the other: uniformly over its support, or by a
 //! search in its table.

@@ -8,7 +8,7 @@ use crate::bsdf::Lobe;
 use crate::bsdf::lobe::{is_flipped, mirrored};
 use crate::bsdf::microfacet::beckmann::VisibleSlope;
 use crate::bsdf::rough_dielectric::above;
-use crate::scene::{distribution, lobe_flag, lobe_kind};
+use crate::scene::distribution;
 use crate::simd::lanes::Vec3Lanes;
 use crate::simd::{SimdLevel, multiversioned};
 use bytemuck::Zeroable;
@@ -78,13 +78,6 @@ fn viewer(lobe: &Lobe, wi: Vec3) -> Vec3 {
     above(mirrored(is_flipped(lobe, wi), wi))
 }
 
-/// Whether a lobe's normals are those of the whole surface; the coating of plastic draws visible ones always.
-#[inline(always)]
-fn samples_all<const VARIANT: u32>(lobe: &Lobe) -> bool {
-    bsdf_variant::kind(VARIANT) != lobe_kind::ROUGH_PLASTIC
-        && lobe.flags & lobe_flag::SAMPLE_ALL_NORMALS != 0
-}
-
 multiversioned! {
     fn draw_ggx<; const VARIANT: u32, const N: usize>(
         lobes: &LobeLanes<N>,
@@ -99,7 +92,7 @@ multiversioned! {
             let u = Vec2::new(numbers[4][k], numbers[5][k]);
             let visible = facets.sample_visible_normal(viewer(&lobe, points.wi.get(k)), u);
             let any = facets.sample_normal(u);
-            let all = samples_all::<VARIANT>(&lobe);
+            let all = lobe.samples_all_normals();
             normals.m.set(k, if all { any } else { visible });
         }
     }
@@ -164,7 +157,7 @@ multiversioned! {
                 facets.unstretched(h)
             };
             let any = facets.sample_normal(Vec2::new(numbers[4][k], numbers[5][k]));
-            let all = samples_all::<VARIANT>(&lobe);
+            let all = lobe.samples_all_normals();
             normals.m.set(k, if all { any } else { visible });
         }
     }

@@ -43,6 +43,7 @@
 pub mod bsdf;
 pub mod manifold;
 pub mod math;
+pub mod path;
 pub mod regularize;
 pub mod sampler;
 pub mod scene;

@@ -247,6 +247,18 @@ struct Way {
     valid: bool,
 }
 
+/// |cos| of the known direction over that of the sampled one, each with the lobe's own normal below its coats and times the
+/// coats' Jacobian: f |cos wo| times this is f |cos wi|.
+pub fn cosine_ratio(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+    let flip = is_flipped(lobe, wi);
+    let (i, o) = (inside(lobe, data, flip, wi), inside(lobe, data, flip, wo));
+    let cos_o = float::abs(o.w.z) * o.jacobian;
+    if !i.valid || !o.valid || !(cos_o > 0.0) {
+        return 0.0;
+    }
+    float::abs(i.w.z) * i.jacobian / cos_o
+}
+
 /// Whether the lobe sees directions mirrored to the front.
 #[inline]
 pub(crate) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {

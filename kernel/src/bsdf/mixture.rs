@@ -158,6 +158,12 @@ impl Bsdf {
         self.count
     }
 
+    /// Lobe `i` where it is.
+    #[inline]
+    pub(super) fn lobe_at(&self, i: u32) -> &Lobe {
+        &self.lobes[self.place(i as usize)]
+    }
+
     /// Lobe `i`.
     #[inline]
     pub fn lobe(&self, i: u32) -> Lobe {

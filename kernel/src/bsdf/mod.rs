@@ -25,6 +25,7 @@ pub mod mixture;
 pub mod model;
 pub mod null;
 pub mod plastic;
+pub mod reverse;
 pub mod rough_conductor;
 pub mod rough_dielectric;
 pub mod rough_diffuse;

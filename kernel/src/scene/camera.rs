@@ -18,6 +18,7 @@ use super::records::*;
 use super::view::Tables;
 use crate::math::affine::{transform_point, transform_vector};
 use crate::math::{Ray, filter, float, warp};
+use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 
 /// A ray that a pixel's value is estimated with.
@@ -44,6 +45,8 @@ pub struct FilmPosition {
     pub direction: Vec3,
     /// Distance from the point to the lens point (to the plane z = 0 for parallel rays).
     pub distance: f32,
+    /// The part of it beyond the near clipping plane: what stands nearer to the lens is not seen and hides nothing.
+    pub unclipped: f32,
 }
 
 /// Axes that a field of view is given along.
@@ -234,6 +237,11 @@ impl Support {
 
 /// Where `point` is seen through the lens point of `u_lens`, and its importance.
 pub fn film_position(tables: &Tables<'_>, point: Vec3, u_lens: Vec2) -> FilmPosition {
+    film_position_through(tables, point, lens_point(&tables.camera, u_lens))
+}
+
+/// [`film_position`] through a lens point in the local plane z = 0.
+pub fn film_position_through(tables: &Tables<'_>, point: Vec3, lens: Vec2) -> FilmPosition {
     let camera = &tables.camera;
     let local = transform_point(&camera.to_camera, point);
     let mut result = FilmPosition {
@@ -242,42 +250,31 @@ pub fn film_position(tables: &Tables<'_>, point: Vec3, u_lens: Vec2) -> FilmPosi
         importance: 0.0,
         direction: Vec3::Z,
         distance: 0.0,
+        unclipped: 0.0,
     };
     let area = 4.0 * camera.tan_half_width * camera.tan_half_height;
     if !(local.z > 0.0) || !(area > 0.0) {
         return result;
     }
     if camera.kind == camera_kind::ORTHOGRAPHIC {
-        let x = transform_vector(&camera.to_world, Vec3::X);
-        let y = transform_vector(&camera.to_world, Vec3::Y);
         let axis = transform_vector(&camera.to_world, Vec3::Z);
         let scale = axis.length();
         result.direction = axis * (-1.0 / scale);
         result.distance = local.z * scale;
         result.film = local_to_film(camera, local.truncate());
-        // The film's area across the rays, in world units.
-        let world_area = area * float::abs(x.cross(y).dot(result.direction));
-        result.importance = 1.0 / world_area;
         let depth = result.distance - camera.clip[0] * scale;
+        result.unclipped = depth;
         result.is_valid = depth > 0.0 && depth < camera.clip[1] - camera.clip[0];
     } else {
-        let lens = lens_point(camera, u_lens);
         let to_lens = transform_point(&camera.to_world, lens.extend(0.0)) - point;
         let distance = to_lens.length();
         result.direction = to_lens / distance;
         result.distance = distance;
-        // Straight on from the lens through the point, seen at z = 1 of the pinhole's rays to the plane in focus.
-        let slope = (local.truncate() - lens) / local.z;
-        let p = if camera.kind == camera_kind::THIN_LENS && camera.focus_distance > 1e-12 {
-            slope + lens / camera.focus_distance
-        } else {
-            slope
-        };
-        result.film = local_to_film(camera, p);
-        // d(film plane) / d(plane z = const) = 1 / z^2, and d(plane) = d(perpendicular area) / cos with cos = z / d.
-        result.importance = distance / (area * local.z * local.z * local.z);
+        result.film = local_to_film(camera, pinhole_slope(camera, local, lens));
+        result.unclipped = distance * (1.0 - camera.clip[0] / local.z);
         result.is_valid = local.z > camera.clip[0] && local.z < camera.clip[1];
     }
+    result.importance = importance(camera, local.z, result.distance);
     let x0 = camera.crop_offset[0] as f32;
     let y0 = camera.crop_offset[1] as f32;
     let in_window = result.film.x >= x0
@@ -289,4 +286,101 @@ pub fn film_position(tables: &Tables<'_>, point: Vec3, u_lens: Vec2) -> FilmPosi
         result.importance = 0.0;
     }
     result
+}
+
+/// Where the pinhole's ray through the film position of a local point, seen from a lens point, meets the plane z = 1.
+#[inline]
+fn pinhole_slope(camera: &Camera, local: Vec3, lens: Vec2) -> Vec2 {
+    let slope = (local.truncate() - lens) / local.z;
+    if camera.kind == camera_kind::THIN_LENS && camera.focus_distance > 1e-12 {
+        slope + lens / camera.focus_distance
+    } else {
+        slope
+    }
+}
+
+/// Importance per perpendicular area at a point of depth `z` that is `distance` away from the lens point.
+#[inline]
+fn importance(camera: &Camera, z: f32, distance: f32) -> f32 {
+    let area = 4.0 * camera.tan_half_width * camera.tan_half_height;
+    if camera.kind == camera_kind::ORTHOGRAPHIC {
+        // The film's area across the rays, in world units.
+        let x = transform_vector(&camera.to_world, Vec3::X);
+        let y = transform_vector(&camera.to_world, Vec3::Y);
+        let axis = transform_vector(&camera.to_world, Vec3::Z);
+        return 1.0 / (area * float::abs(x.cross(y).dot(axis)) / axis.length());
+    }
+    // d(film plane) / d(plane z = const) = 1 / z^2, and d(plane) = d(perpendicular area) / cos with cos = z / d.
+    distance / (area * z * z * z)
+}
+
+/// Pixels of the whole film per pixel of the crop window: densities of rays through the window per density over the film.
+#[inline]
+pub fn pixels_per_window_pixel(camera: &Camera) -> f32 {
+    let film = camera.film_size[0] as f32 * camera.film_size[1] as f32;
+    film / (camera.crop_size[0] as f32 * camera.crop_size[1] as f32)
+}
+
+/// Density per perpendicular area with which rays from the lens point, one per pixel of the window and evenly over its
+/// area, arrive at `point`, `distance` away; zero behind the camera. Clipping planes and the window's rim are not looked at.
+pub fn pdf_perpendicular_area(tables: &Tables<'_>, point: Vec3, distance: f32) -> f32 {
+    let camera = &tables.camera;
+    let z = transform_point(&camera.to_camera, point).z;
+    if !(z > 0.0) {
+        return 0.0;
+    }
+    let pdf = importance(camera, z, distance) * pixels_per_window_pixel(camera);
+    if float::is_finite(pdf) { pdf } else { 0.0 }
+}
+
+/// Density per area of the points of a lens; zero where the lens is a point or rays are parallel.
+#[inline]
+pub fn pdf_lens_area(camera: &Camera) -> f32 {
+    let r = camera.aperture_radius;
+    if camera.kind == camera_kind::THIN_LENS && r > 0.0 {
+        FRAC_1_PI / (r * r)
+    } else {
+        0.0
+    }
+}
+
+/// Unit direction in which the camera looks: the normal of its lens.
+#[inline]
+pub fn optical_axis(camera: &Camera) -> Vec3 {
+    transform_vector(&camera.to_world, Vec3::Z).normalize()
+}
+
+/// Where a ray meets the lens from its front.
+#[derive(Clone, Copy, Debug)]
+pub struct LensHit {
+    /// The lens point in the local plane z = 0.
+    pub lens: Vec2,
+    /// Ray parameter.
+    pub t: f32,
+    /// Whether the ray meets the lens at all.
+    pub is_hit: bool,
+}
+
+/// The point at which a ray of light meets a lens that has an extent.
+pub fn intersect_lens(camera: &Camera, ray: &Ray) -> LensHit {
+    let miss = LensHit {
+        lens: Vec2::ZERO,
+        t: 0.0,
+        is_hit: false,
+    };
+    if camera.kind != camera_kind::THIN_LENS || !(camera.aperture_radius > 0.0) {
+        return miss;
+    }
+    let origin = transform_point(&camera.to_camera, ray.origin);
+    let direction = transform_vector(&camera.to_camera, ray.direction);
+    if !(origin.z > 0.0) || !(direction.z < 0.0) {
+        return miss;
+    }
+    let t = origin.z / -direction.z;
+    let lens = origin.truncate() + direction.truncate() * t;
+    LensHit {
+        lens,
+        t,
+        is_hit: lens.length_squared() < float::sqr(camera.aperture_radius) && t < ray.t_max,
+    }
 }

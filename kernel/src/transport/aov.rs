@@ -4,9 +4,9 @@
 //! returns zeros with `hit` false.
 
 use super::pixel::camera_ray;
-use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb, luminance};
+use crate::path::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{SceneView, Traverse};

@@ -3,10 +3,11 @@
 //! The estimate is w f cos Le V / p_e, with w the weight of the emitter sample against the BSDF samples that compete with
 //! it: the power heuristic with exponent two for n_e and n_b samples, w = (n_e p_e)^2 / ((n_e p_e)^2 + (n_b p_b)^2) (Veach
 //! 1997, Section 9.2.2), divided by n_e. [`connect`] leaves out the visibility V, which
-//! [`super::visibility::transmittance`] finds along [`Connection::ray`].
+//! [`crate::path::visibility::transmittance`] finds along [`Connection::ray`].
 
 use crate::bsdf::Bsdf;
 use crate::math::{Ray, Rgb};
+use crate::path::rules::is_same_side;
 use crate::sampler::Sampler;
 use crate::scene::emitter::{self, DirectSample};
 use crate::scene::{SurfacePoint, Tables};
@@ -151,10 +152,4 @@ pub fn weighted_contribution(
             point.spawn(light.direction)
         },
     }
-}
-
-/// Whether a direction with local cosine `cos_theta` is on the same side of both normals.
-#[inline]
-pub fn is_same_side(point: &SurfacePoint, direction: Vec3, cos_theta: f32) -> bool {
-    point.geometric_normal.dot(direction) * cos_theta > 0.0
 }

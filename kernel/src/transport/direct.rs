@@ -9,12 +9,13 @@
 //! The walk from the sensor and those of the BSDF samples, its branches, are [`Path`]s of which each step is called here,
 //! or by [`super::staged`].
 
-use super::connection::{SampleCounts, connect, is_same_side};
+use super::connection::{SampleCounts, connect};
 use super::path::{Path, Scattering, step};
 use super::settings::IntegratorSettings;
-use super::visibility::transmittance;
 use crate::bsdf::{Bsdf, BsdfSample, event, mode};
 use crate::math::{Ray, Rgb};
+use crate::path::rules::is_same_side;
+use crate::path::visibility::transmittance;
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{SceneView, SurfacePoint, Tables, Traverse};

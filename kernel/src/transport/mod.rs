@@ -6,8 +6,9 @@
 //! | file | content |
 //! |---|---|
 //! | [`path`], [`direct`], [`ambient_occlusion`] | algorithms: radiance along a ray |
+//! | [`bidirectional`] | bidirectional path tracing and light tracing |
 //! | [`aov`] | surface features of a camera sample |
-//! | [`connection`], [`visibility`] | next event estimation; transmittance of a segment |
+//! | [`connection`] | next event estimation |
 //! | [`pixel`] | one sample of a pixel by the algorithm of the settings |
 //! | [`staged`], `wavefront` | path tracing in stages over buffers, and over lanes |
 //! | [`photon`] | radii and statistics of photon mapping |
@@ -15,6 +16,7 @@
 
 pub mod ambient_occlusion;
 pub mod aov;
+pub mod bidirectional;
 pub mod connection;
 pub mod direct;
 pub mod path;
@@ -22,7 +24,6 @@ pub mod photon;
 pub mod pixel;
 pub mod settings;
 pub mod staged;
-pub mod visibility;
 #[cfg(not(target_arch = "spirv"))]
 pub mod wavefront;
 

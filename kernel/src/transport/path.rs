@@ -16,28 +16,17 @@
 //! the path in a buffer.
 //! Invariant (tests): the mean does not depend on `rr_depth`, on the sampler or on which of the two techniques is used.
 
-use super::connection::{Connection, SampleCounts, connect, is_same_side, power_heuristic};
+use super::connection::{Connection, SampleCounts, connect, power_heuristic};
 use super::settings::IntegratorSettings;
-use super::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
 use crate::bsdf::{Bsdf, BsdfSample, event, mode, null_transmittance};
 use crate::math::{Ray, Rgb};
+pub use crate::path::rules::step;
+use crate::path::rules::{MAX_SURVIVAL, is_same_side};
+use crate::path::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, SceneView, SurfacePoint, Tables, Traverse, emitter};
 use glam::Vec3;
-
-/// Highest probability of survival, so that a lossless chain ends too.
-const MAX_SURVIVAL: f32 = 0.95;
-
-/// What a path does next: a number, as it is kept in a buffer.
-pub mod step {
-    /// Nothing.
-    pub const END: u32 = 0;
-    /// Follow its ray.
-    pub const TRACE: u32 = 1;
-    /// Scatter at the surface where it arrived.
-    pub const SCATTER: u32 = 2;
-}
 
 /// Where a walk scattered last, for the weight of emission that it meets.
 #[derive(Clone, Copy, Debug)]

@@ -2,6 +2,7 @@
 //!
 //! Plain data of 32-bit words, because shaders read them too.
 
+use crate::path::rules::PathRules;
 use crate::scene::NONE;
 use bytemuck::{Pod, Zeroable};
 
@@ -99,6 +100,17 @@ impl BidirectionalSettings {
 }
 
 impl IntegratorSettings {
+    /// The rules that walks and connections keep.
+    #[inline]
+    pub fn rules(&self) -> PathRules {
+        PathRules {
+            max_depth: self.max_depth,
+            rr_depth: self.rr_depth,
+            hide_emitters: self.hide_emitters,
+            strict_normals: self.strict_normals,
+        }
+    }
+
     /// Path tracing without a depth limit, Russian roulette from the fifth edge: Mitsuba's defaults.
     pub const PATH: IntegratorSettings = IntegratorSettings {
         kind: integrator_kind::PATH,

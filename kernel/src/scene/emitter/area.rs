@@ -70,9 +70,20 @@ pub fn pdf_direct(tables: &Tables<'_>, reference: Vec3, light: &SurfacePoint) ->
 
 /// Samples a point of a shape; `pdf` does not hold the probability of choosing the emitter.
 pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> DirectSample {
+    sample_with_point(tables, emitter, reference, u).0
+}
+
+/// [`sample`] and the surface point that it chose, which means nothing where there is no sample.
+#[inline]
+pub fn sample_with_point(
+    tables: &Tables<'_>,
+    emitter: u32,
+    reference: Vec3,
+    u: Vec2,
+) -> (DirectSample, SurfacePoint) {
     let record = &tables.emitters[emitter as usize];
     if record.shape == NONE {
-        return DirectSample::NONE;
+        return (DirectSample::NONE, SurfacePoint::ZERO);
     }
     let shape = &tables.shapes[record.shape as usize];
     let is_mesh = tables.has(features::TRIANGLES)
@@ -100,13 +111,13 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
         }
     };
     if !(sample.pdf > 0.0) {
-        return DirectSample::NONE;
+        return (DirectSample::NONE, point);
     }
     // In one place for all shapes, because shader compilers copy the texture lookup to every call.
     sample.target = point.offset_position(-sample.direction);
     sample.radiance = area_radiance(tables, &point, -sample.direction);
     sample.emitter = emitter;
-    sample
+    (sample, point)
 }
 
 /// A point of a triangle that has been chosen with the probability `pmf`, without its radiance.
@@ -158,7 +169,7 @@ pub(crate) fn on_sphere(
 /// Whether a shape is analytic: quadrics and meshes count their primitives apart, and only one of the two tables holds
 /// the shape at its first primitive.
 #[inline]
-fn is_quadric(tables: &Tables<'_>, shape: u32) -> bool {
+pub(super) fn is_quadric(tables: &Tables<'_>, shape: u32) -> bool {
     let first = tables.shapes[shape as usize].first_primitive;
     first < tables.quadrics.len() as u32 && tables.quadrics[first as usize].shape == shape
 }
@@ -198,7 +209,7 @@ fn per_solid_angle(reference: Vec3, point: &SurfacePoint, pdf_area: f32) -> f32 
 
 /// Area of a triangle.
 #[inline]
-fn triangle_area(tables: &Tables<'_>, primitive: u32) -> f32 {
+pub(super) fn triangle_area(tables: &Tables<'_>, primitive: u32) -> f32 {
     let [i0, i1, i2] = tables.triangles[primitive as usize].vertices;
     area([
         vec3(tables.positions[i0 as usize]),
@@ -209,7 +220,7 @@ fn triangle_area(tables: &Tables<'_>, primitive: u32) -> f32 {
 
 /// Density per world area of uniform points of a canonical disk or cylinder, at the canonical point `p`.
 #[inline]
-fn quadric_pdf_area(quadric: &Quadric, p: Vec3) -> f32 {
+pub(super) fn quadric_pdf_area(quadric: &Quadric, p: Vec3) -> f32 {
     let (normal, canonical_pdf) = if quadric.kind == quadric_kind::DISK {
         (Vec3::Z, FRAC_1_PI)
     } else {
@@ -229,7 +240,7 @@ fn quadric_pdf_area(quadric: &Quadric, p: Vec3) -> f32 {
 
 /// World area over canonical area where the canonical unit normal is `normal`.
 #[inline]
-fn area_stretch(quadric: &Quadric, normal: Vec3) -> f32 {
+pub(super) fn area_stretch(quadric: &Quadric, normal: Vec3) -> f32 {
     float::abs(determinant(&quadric.to_world))
         * transform_normal(&quadric.to_object, normal).length()
 }

@@ -88,6 +88,21 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3) -> DirectSampl
     result
 }
 
+/// Intensity of a point light, spot light or projector in a unit world direction: its irradiance on a facing surface times
+/// the squared distance.
+pub fn intensity(tables: &Tables<'_>, emitter: u32, direction: Vec3) -> Rgb {
+    let record = &tables.emitters[emitter as usize];
+    if record.kind == emitter_kind::POINT {
+        return vec3(record.radiance.value);
+    }
+    let local = transform_vector(&record.to_local, direction);
+    if record.kind == emitter_kind::SPOT {
+        spot(tables, record, local)
+    } else {
+        projector(tables, record, local)
+    }
+}
+
 /// Intensity of a spot light towards a point in its frame.
 #[inline]
 fn spot(tables: &Tables<'_>, record: &Emitter, local: Vec3) -> Rgb {

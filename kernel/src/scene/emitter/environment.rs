@@ -71,15 +71,19 @@ pub fn pdf_environment(tables: &Tables<'_>, direction: Vec3) -> f32 {
     if !tables.has(features::ENVIRONMENT) || index == NONE {
         return 0.0;
     }
-    let emitter = &tables.emitters[index as usize];
-    let pdf = if has_table(emitter) {
-        let uv = to_uv(transform_vector(&emitter.to_local, direction));
-        let (column, row) = cell(emitter, uv);
-        pdf_of_cell(tables, emitter, column, row)
-    } else {
-        UNIFORM_SPHERE_PDF
-    };
-    pdf * emitter.selection_pdf
+    pdf(tables, index, direction) * tables.emitters[index as usize].selection_pdf
+}
+
+/// The density per solid angle with which [`sample`] chooses a `direction` (away from the scene), without the choice of the
+/// emitter.
+pub fn pdf(tables: &Tables<'_>, emitter: u32, direction: Vec3) -> f32 {
+    let emitter = &tables.emitters[emitter as usize];
+    if !has_table(emitter) {
+        return UNIFORM_SPHERE_PDF;
+    }
+    let uv = to_uv(transform_vector(&emitter.to_local, direction));
+    let (column, row) = cell(emitter, uv);
+    pdf_of_cell(tables, emitter, column, row)
 }
 
 /// Samples a direction; `pdf` does not hold the probability of choosing the emitter.

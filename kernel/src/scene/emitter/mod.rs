@@ -7,7 +7,8 @@
 //!
 //! - [`area`]: emission of shapes, one-sided;
 //! - [`environment`]: light from infinity in all directions;
-//! - [`delta`]: light from one point or one direction.
+//! - [`delta`]: light from one point or one direction;
+//! - [`position`], [`emission`]: points of emitters and rays that leave them.
 //!
 //! Invariants (tests): for every kind the density integrates to one over the directions in which it can sample, equals
 //! the density that [`pdf_direct`] or [`pdf_environment`] state for the sampled direction, and the radiance equals the
@@ -15,7 +16,9 @@
 
 pub mod area;
 pub mod delta;
+pub mod emission;
 pub mod environment;
+pub mod position;
 
 pub use area::{area_radiance, pdf_direct};
 #[cfg(not(target_arch = "spirv"))]
@@ -33,6 +36,7 @@ pub use {
 
 use super::features;
 use super::records::*;
+use super::surface::SurfacePoint;
 use super::view::Tables;
 use crate::math::Rgb;
 use glam::{Vec2, Vec3};
@@ -112,6 +116,49 @@ pub fn sample_direct(tables: &Tables<'_>, reference: Vec3, u_select: f32, u: Vec
     let mut sample = sample_emitter(tables, emitter, reference, u);
     sample.pdf *= tables.emitters[emitter as usize].selection_pdf;
     sample
+}
+
+/// [`sample_direct`], and the point of an area light that it chose (of other emitters it means nothing).
+pub fn sample_direct_with_point(
+    tables: &Tables<'_>,
+    reference: Vec3,
+    u_select: f32,
+    u: Vec2,
+) -> (DirectSample, SurfacePoint) {
+    let emitter = select_emitter(tables, u_select);
+    if emitter == NONE {
+        return (DirectSample::NONE, SurfacePoint::ZERO);
+    }
+    let record = &tables.emitters[emitter as usize];
+    let is_area = tables.has(features::AREA_LIGHTS) && record.kind == emitter_kind::AREA;
+    let (mut sample, point) = if is_area {
+        area::sample_with_point(tables, emitter, reference, u)
+    } else {
+        let sample = sample_emitter(tables, emitter, reference, u);
+        (sample, SurfacePoint::ZERO)
+    };
+    sample.pdf *= record.selection_pdf;
+    (sample, point)
+}
+
+/// The density of [`sample_direct`] for a given emitter, as [`DirectSample::pdf`] states it: per solid angle at `reference`
+/// for the `point` of an area light or for the `direction` in which light from infinity travels, the probability of the
+/// choice for delta lights.
+pub fn pdf_direct_of(
+    tables: &Tables<'_>,
+    emitter: u32,
+    reference: Vec3,
+    point: &SurfacePoint,
+    direction: Vec3,
+) -> f32 {
+    let record = &tables.emitters[emitter as usize];
+    if record.kind == emitter_kind::AREA {
+        pdf_direct(tables, reference, point)
+    } else if record.kind == emitter_kind::CONSTANT || record.kind == emitter_kind::ENVIRONMENT {
+        environment::pdf(tables, emitter, -direction) * record.selection_pdf
+    } else {
+        record.selection_pdf
+    }
 }
 
 /// Samples the light of one emitter; `pdf` does not hold the probability of choosing it.

@@ -26,9 +26,9 @@ mod textures;
 
 use super::IntegratorSettings;
 use super::path::{ShadowRay, step};
-use super::visibility::transmittance;
 use crate::bsdf::Bsdf;
 use crate::math::Rgb;
+use crate::path::visibility::transmittance;
 use crate::sampler::LaneSampler;
 use crate::scene::{HitBatch, NONE, SceneView, Tables, Traverse, scene_flag};
 use crate::simd::SimdLevel;

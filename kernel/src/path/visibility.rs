@@ -4,11 +4,13 @@
 //! the multiple importance sampling of a path that runs straight through a mask needs the density of its last real
 //! scattering only.
 
+use super::connection::Contribution;
+use super::rules::PathRules;
 use crate::bsdf::null_transmittance;
 use crate::math::{Ray, Rgb};
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{
-    SceneView, SurfacePoint, Traverse, features, lobe_kind, material_flag, scene_flag,
+    NONE, SceneView, SurfacePoint, Traverse, features, lobe_kind, material_flag, scene_flag,
 };
 
 /// Most masks that one straight line may pass before it counts as blocked.
@@ -16,14 +18,33 @@ pub const MAX_NULL_CROSSINGS: u32 = 64;
 
 /// Transmittance in [0, 1] per channel along a segment, as that of [`super::connection::Connection`].
 pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb {
-    let has_masks = view.tables.has(features::lobe(lobe_kind::NULL));
-    if !has_masks || view.tables.info.flags & scene_flag::HAS_NULL == 0 {
+    if !has_null(view) {
         return if view.traverse.is_occluded(&segment) {
             Rgb::ZERO
         } else {
             Rgb::ONE
         };
     }
+    transmittance_in_steps(view, segment, false)
+}
+
+/// [`transmittance`] as if emitters were not there.
+pub fn transmittance_past_emitters<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb {
+    transmittance_in_steps(view, segment, true)
+}
+
+#[inline]
+fn has_null<T: Traverse>(view: &SceneView<'_, T>) -> bool {
+    let has_masks = view.tables.has(features::lobe(lobe_kind::NULL));
+    has_masks && view.tables.info.flags & scene_flag::HAS_NULL != 0
+}
+
+/// Surface by surface.
+fn transmittance_in_steps<T: Traverse>(
+    view: &SceneView<'_, T>,
+    segment: Ray,
+    past_emitters: bool,
+) -> Rgb {
     let mut ray = segment;
     let mut remaining = Rgb::ONE;
     let mut crossings = 0;
@@ -33,11 +54,13 @@ pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb 
             return remaining;
         }
         let mask = surface_with::<{ detail::NORMALS }>(&view.tables, &ray, &hit);
-        let material = view.tables.materials[mask.material as usize];
-        if material.flags & material_flag::HAS_NULL == 0 {
-            return Rgb::ZERO;
+        if !(past_emitters && mask.emitter != NONE) {
+            let material = view.tables.materials[mask.material as usize];
+            if material.flags & material_flag::HAS_NULL == 0 {
+                return Rgb::ZERO;
+            }
+            remaining *= null_transmittance(&view.tables, &mask);
         }
-        remaining *= null_transmittance(&view.tables, &mask);
         if !(remaining.max_element() > 0.0) {
             return Rgb::ZERO;
         }
@@ -48,6 +71,22 @@ pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb 
         crossings += 1;
     }
     Rgb::ZERO
+}
+
+/// What is left of a contribution: the transmittance along its segment, which for splats passes emitters where the sensor
+/// does not see them, and is one where a walk has met the lens itself.
+pub fn contribution_transmittance<T: Traverse>(
+    view: &SceneView<'_, T>,
+    rules: &PathRules,
+    contribution: &Contribution,
+) -> Rgb {
+    if contribution.t == 0 {
+        return Rgb::ONE;
+    }
+    if contribution.t > 1 || rules.hide_emitters == 0 {
+        return transmittance(view, contribution.ray);
+    }
+    transmittance_past_emitters(view, contribution.ray)
 }
 
 /// Moves the ray's origin behind `point` and keeps its end.

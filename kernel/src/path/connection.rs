@@ -1,0 +1,449 @@
+//! The strategies that complete a path: what each adds, its weight, and the segment that must be free.
+//!
+//! | s, t | completes a path by |
+//! |---|---|
+//! | 0, t | emission where a camera walk arrives, or that of the environment where it leaves the scene |
+//! | 1, t | a point of an emitter, sampled for the surface that it lights |
+//! | s, t | the segment between a vertex of a light walk and one of a camera walk |
+//! | s, 1 | the segment from a vertex of a light walk, or from a point of an area light, to a point of the lens |
+//! | s, 0 | a light walk that meets a lens of some extent |
+//!
+//! s and t count the vertices of the light and the camera subpath; a path has k = s + t - 1 edges. Weights: see
+//! [`super::weight`]. A path of one edge (an emitter that is looked at) is made by s = 0 and, on area lights, by t = 1 and
+//! t = 0; the strategies for it do not involve next event estimation.
+//!
+//! Values of s, 1 and s, 0 are for the pixel's mean and one light walk per pixel of the window; the reconstruction filter
+//! is the film's.
+
+use super::evaluation::Interaction;
+use super::rules::PathRules;
+use super::strategies::Strategies;
+use super::walk::Walk;
+use super::weight::PartialWeights;
+use crate::bsdf::mode;
+use crate::math::{Ray, Rgb, float, vec3};
+use crate::scene::emitter::emission::{self, EmissionSample, light_cosine};
+use crate::scene::emitter::{
+    self, DirectSample, area_radiance, environment_radiance_and_pdf, sample_direct_with_point,
+};
+use crate::scene::{NONE, SurfacePoint, Tables, camera, emitter_kind};
+use glam::{Vec2, Vec3};
+
+/// What a strategy adds to a pixel unless something stands in its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Contribution {
+    /// Weighted contribution.
+    pub value: Rgb,
+    /// The segment that must be free.
+    pub ray: Ray,
+    /// Film position of a splat, in pixels of the whole film.
+    pub film: Vec2,
+    /// Vertices of the camera subpath: 0 and 1 make splats.
+    pub t: u32,
+}
+
+impl Contribution {
+    /// Nothing.
+    pub const NONE: Contribution = Contribution {
+        value: Vec3::ZERO,
+        ray: Ray {
+            origin: Vec3::ZERO,
+            direction: Vec3::Z,
+            t_min: 0.0,
+            t_max: 0.0,
+        },
+        film: Vec2::ZERO,
+        t: 0,
+    };
+
+    /// Whether it adds anything.
+    #[inline]
+    pub fn is_some(&self) -> bool {
+        self.value.max_element() > 0.0
+    }
+
+    /// Whether it goes to the pixel that sees [`Contribution::film`].
+    #[inline]
+    pub fn is_splat(&self) -> bool {
+        self.t < 2
+    }
+}
+
+/// Everything that connections have in common.
+#[derive(Clone, Copy)]
+pub struct Connector<'a> {
+    /// The scene.
+    pub tables: &'a Tables<'a>,
+    /// The rules.
+    pub rules: PathRules,
+    /// The strategies.
+    pub strategies: Strategies,
+}
+
+impl Connector<'_> {
+    /// Light that a camera walk finds on the surface where it has arrived (s = 0).
+    pub fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Rgb {
+        let tables = self.tables;
+        if point.emitter == NONE || !self.strategies.shows(0, walk.depth + 2) {
+            return Vec3::ZERO;
+        }
+        let outgoing = -walk.ray.direction;
+        let radiance = area_radiance(tables, point, outgoing);
+        if radiance.max_element() <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let h = self.strategies.heuristic;
+        let density = emission::density(tables, point.emitter, point, outgoing);
+        let cosine = float::abs(point.geometric_normal.dot(outgoing));
+        let to_light = point.position - walk.position;
+        let pdf_area = if walk.depth == 0 {
+            density.position
+        } else {
+            self.strategies
+                .pdf_direct(tables, point.emitter, walk.position, point, outgoing)
+                * (cosine / to_light.length_squared())
+        };
+        let camera =
+            h.of(pdf_area) * walk.arrived.d_vcm + h.of(density.product()) * walk.arrived.d_vc;
+        walk.throughput * radiance * self.strategies.weight(0.0, camera)
+    }
+
+    /// Light from infinity where a camera walk leaves the scene (s = 0).
+    pub fn escaped(&self, walk: &Walk) -> Rgb {
+        let tables = self.tables;
+        let emitter = tables.info.environment;
+        let is_hidden = walk.depth == 0 && self.rules.hide_emitters != 0;
+        if emitter == NONE || is_hidden || !self.strategies.shows(0, walk.depth + 2) {
+            return Vec3::ZERO;
+        }
+        let direction = walk.ray.direction;
+        let (radiance, pdf) = environment_radiance_and_pdf(tables, direction);
+        let mut camera = 0.0;
+        if walk.depth > 0 {
+            let h = self.strategies.heuristic;
+            let density = emission::density(tables, emitter, &SurfacePoint::ZERO, -direction);
+            camera = h.of(pdf) * walk.weights.d_vcm + h.of(density.product()) * walk.weights.d_vc;
+        }
+        walk.throughput * radiance * self.strategies.weight(0.0, camera)
+    }
+
+    /// Light of an emitter that is sampled with `u_select` and `u` for the surface where a camera walk stands (s = 1).
+    pub fn next_event(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        u_select: f32,
+        u: Vec2,
+    ) -> Contribution {
+        let (light, point) = sample_direct_with_point(self.tables, at.point.position, u_select, u);
+        self.lit(walk, at, &light, &point)
+    }
+
+    /// Light of the emitter point at which a light walk started (s = 1 without sampling for the surface).
+    pub fn start_event(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        start: &EmissionSample,
+    ) -> Contribution {
+        let tables = self.tables;
+        if start.emitter == NONE {
+            return Contribution::NONE;
+        }
+        let mut light = DirectSample {
+            emitter: start.emitter,
+            ..DirectSample::NONE
+        };
+        let kind = tables.emitters[start.emitter as usize].kind;
+        if kind == emitter_kind::AREA {
+            let to_light = start.point.position - at.point.position;
+            light.distance = to_light.length();
+            light.direction = to_light / light.distance;
+            light.target = start.point.offset_position(-light.direction);
+            light.radiance = area_radiance(tables, &start.point, -light.direction);
+            light.pdf = self.strategies.pdf_direct(
+                tables,
+                start.emitter,
+                at.point.position,
+                &start.point,
+                -light.direction,
+            );
+        } else if kind == emitter_kind::CONSTANT || kind == emitter_kind::ENVIRONMENT {
+            light.direction = -start.ray.direction;
+            light.distance = f32::MAX;
+            light.radiance = emitter::environment_radiance(tables, light.direction);
+            light.pdf =
+                start.density.direction * tables.emitters[start.emitter as usize].selection_pdf;
+        } else {
+            // The position or direction is discrete: there is nothing to choose.
+            light = emitter::sample_emitter(tables, start.emitter, at.point.position, Vec2::ZERO);
+            light.pdf *= tables.emitters[start.emitter as usize].selection_pdf;
+        }
+        self.lit(walk, at, &light, &start.point)
+    }
+
+    fn lit(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        light: &DirectSample,
+        light_point: &SurfacePoint,
+    ) -> Contribution {
+        let t = walk.depth + 2;
+        if !light.is_some() || !self.allows_edges(t) || !self.strategies.shows(1, t) {
+            return Contribution::NONE;
+        }
+        let tables = self.tables;
+        let scattered = at.evaluate(tables, &self.rules, mode::RADIANCE, light.direction);
+        if !scattered.is_some() {
+            return Contribution::NONE;
+        }
+        let h = self.strategies.heuristic;
+        let by_chance = if light.is_delta {
+            0.0
+        } else {
+            h.of(scattered.pdf / light.pdf)
+        };
+        let outgoing = -light.direction;
+        let density = emission::density(tables, light.emitter, light_point, outgoing).product();
+        let distance2 = light.distance * light.distance;
+        let light_cosine = light_cosine(tables, light.emitter, light_point, outgoing, distance2);
+        let cosine = float::abs(at.point.geometric_normal.dot(light.direction));
+        let camera = if density > 0.0 {
+            let ratio = density * cosine / (light.pdf * light_cosine);
+            walk.arrived.sum(h, ratio, scattered.pdf_reverse)
+        } else {
+            0.0
+        };
+        let weight = self.strategies.weight(by_chance, camera);
+        Contribution {
+            value: walk.throughput * scattered.value * light.radiance * (weight / light.pdf),
+            ray: if light.distance < f32::MAX {
+                at.point.segment_to(light.target)
+            } else {
+                at.point.spawn(light.direction)
+            },
+            film: Vec2::ZERO,
+            t,
+        }
+    }
+
+    /// Light that a vertex of a light walk, `edges` from the emitter, sends to the lens point of `u_lens` (t = 1).
+    pub fn to_lens(
+        &self,
+        throughput: Rgb,
+        weights: PartialWeights,
+        edges: u32,
+        at: &Interaction<'_>,
+        u_lens: Vec2,
+    ) -> Contribution {
+        let s = edges + 1;
+        let is_hidden = self.rules.hide_emitters != 0 && at.point.emitter != NONE;
+        if !self.allows_edges(s) || is_hidden || !self.strategies.shows(s, 1) {
+            return Contribution::NONE;
+        }
+        let tables = self.tables;
+        let point = at.point;
+        let seen = camera::film_position(tables, point.position, u_lens);
+        if !seen.is_valid {
+            return Contribution::NONE;
+        }
+        let scattered = at.evaluate(tables, &self.rules, mode::IMPORTANCE, seen.direction);
+        if !scattered.is_some() {
+            return Contribution::NONE;
+        }
+        let h = self.strategies.heuristic;
+        let cosine = float::abs(point.geometric_normal.dot(seen.direction));
+        let density = seen.importance * camera::pixels_per_window_pixel(&tables.camera);
+        let light = weights.sum(h, density * cosine, scattered.pdf_reverse);
+        let weight = self
+            .strategies
+            .weight(light, self.lens_hit_ratio(scattered.pdf, &seen));
+        Contribution {
+            value: throughput * scattered.value * (density * weight),
+            ray: to_lens_segment(point, &seen),
+            film: seen.film,
+            t: 1,
+        }
+    }
+
+    /// Light that an area light sends to the lens point of `u_lens` (s = 1, t = 1).
+    pub fn start_to_lens(&self, start: &EmissionSample, u_lens: Vec2) -> Contribution {
+        let tables = self.tables;
+        let is_area = start.emitter != NONE
+            && tables.emitters[start.emitter as usize].kind == emitter_kind::AREA;
+        let sees = self.rules.hide_emitters == 0 && self.rules.max_depth > 0;
+        if !is_area || !sees || !self.strategies.shows(1, 1) {
+            return Contribution::NONE;
+        }
+        let point = &start.point;
+        let seen = camera::film_position(tables, point.position, u_lens);
+        if !seen.is_valid {
+            return Contribution::NONE;
+        }
+        let radiance = area_radiance(tables, point, seen.direction);
+        if radiance.max_element() <= 0.0 {
+            return Contribution::NONE;
+        }
+        let h = self.strategies.heuristic;
+        let cosine = float::abs(point.geometric_normal.dot(seen.direction));
+        let density = seen.importance * camera::pixels_per_window_pixel(&tables.camera);
+        let position = start.density.position;
+        let light = h.of(density * cosine / position);
+        let emitted = emission::density(tables, start.emitter, point, seen.direction).direction;
+        let weight = self
+            .strategies
+            .weight(light, self.lens_hit_ratio(emitted, &seen));
+        Contribution {
+            value: radiance * (cosine * density * weight / position),
+            ray: to_lens_segment(point, &seen),
+            film: seen.film,
+            t: 1,
+        }
+    }
+
+    /// h of the density of meeting the lens point by chance over that of choosing it; `pdf` is per solid angle.
+    #[inline]
+    fn lens_hit_ratio(&self, pdf: f32, seen: &camera::FilmPosition) -> f32 {
+        let lens = self.strategies.pdf_lens(self.tables, &self.rules);
+        if !(lens > 0.0) {
+            return 0.0;
+        }
+        let cosine = float::abs(camera::optical_axis(&self.tables.camera).dot(seen.direction));
+        let pdf_area = pdf * cosine / (seen.distance * seen.distance);
+        self.strategies.heuristic.of(pdf_area / lens)
+    }
+
+    /// Light of a walk whose ray, up to `t_max`, meets the lens (t = 0).
+    pub fn lens_met(&self, walk: &Walk, t_max: f32) -> Contribution {
+        let tables = self.tables;
+        let lens_pdf = self.strategies.pdf_lens(tables, &self.rules);
+        if !(lens_pdf > 0.0) || !self.strategies.shows(walk.depth + 2, 0) {
+            return Contribution::NONE;
+        }
+        let kind = tables.emitters[walk.emitter as usize].kind;
+        if walk.depth == 0 && kind != emitter_kind::AREA || walk.depth >= self.rules.max_depth {
+            return Contribution::NONE;
+        }
+        let mut ray = walk.ray;
+        ray.t_max = t_max;
+        let met = camera::intersect_lens(&tables.camera, &ray);
+        if !met.is_hit {
+            return Contribution::NONE;
+        }
+        let seen = camera::film_position_through(tables, walk.position, met.lens);
+        if !seen.is_valid {
+            return Contribution::NONE;
+        }
+        let h = self.strategies.heuristic;
+        let distance2 = seen.distance * seen.distance;
+        let cosine = float::abs(camera::optical_axis(&tables.camera).dot(ray.direction));
+        if !(cosine > 0.0) || !(distance2 > 0.0) {
+            return Contribution::NONE;
+        }
+        let density = seen.importance * camera::pixels_per_window_pixel(&tables.camera);
+        let weights = if walk.depth > 0 {
+            walk.weights.arrive(h, distance2, cosine)
+        } else {
+            let start = walk.start_point(tables);
+            let emitted = emission::density(tables, walk.emitter, &start, ray.direction);
+            let light = float::abs(start.geometric_normal.dot(ray.direction));
+            PartialWeights {
+                d_vcm: h.of(distance2 / (emitted.direction * cosine)),
+                d_vc: h.of(light / (emitted.product() * cosine)),
+            }
+        };
+        // Per solid angle at the lens: the density of the camera walk that would come the other way.
+        let light = weights.sum(h, lens_pdf, density * distance2);
+        let weight = self.strategies.weight(light, 0.0);
+        Contribution {
+            value: walk.throughput * (density * distance2 * lens_pdf * weight / cosine),
+            ray,
+            film: seen.film,
+            t: 0,
+        }
+    }
+
+    /// Light that a vertex of a light walk, `edges` from the emitter, sends to the surface where a camera walk stands.
+    pub fn inner(&self, light: &LightEnd<'_>, walk: &Walk, at: &Interaction<'_>) -> Contribution {
+        let (s, t) = (light.edges + 1, walk.depth + 2);
+        if !self.allows_edges(s + t - 1) || !self.strategies.shows(s, t) {
+            return Contribution::NONE;
+        }
+        let tables = self.tables;
+        let between = light.at.point.position - at.point.position;
+        let distance2 = between.length_squared();
+        if !(distance2 > 0.0) {
+            return Contribution::NONE;
+        }
+        let direction = between / float::sqrt(distance2);
+        let seen = at.evaluate(tables, &self.rules, mode::RADIANCE, direction);
+        if !seen.is_some() {
+            return Contribution::NONE;
+        }
+        let sent = light
+            .at
+            .evaluate(tables, &self.rules, mode::IMPORTANCE, -direction);
+        if !sent.is_some() {
+            return Contribution::NONE;
+        }
+        let h = self.strategies.heuristic;
+        let cos_light = float::abs(light.at.point.geometric_normal.dot(direction));
+        let cos_camera = float::abs(at.point.geometric_normal.dot(direction));
+        let shorter_light =
+            light
+                .weights
+                .sum(h, seen.pdf * cos_light / distance2, sent.pdf_reverse);
+        let shorter_camera =
+            walk.weights
+                .sum(h, sent.pdf * cos_camera / distance2, seen.pdf_reverse);
+        let weight = self.strategies.weight(shorter_light, shorter_camera);
+        let value = walk.throughput * seen.value * (light.throughput * sent.value);
+        Contribution {
+            value: value * (weight / distance2),
+            ray: at.point.segment_to_surface(light.at.point),
+            film: Vec2::ZERO,
+            t,
+        }
+    }
+
+    /// Whether a path may have so many edges.
+    #[inline]
+    pub fn allows_edges(&self, edges: u32) -> bool {
+        edges <= self.rules.max_depth
+    }
+}
+
+/// The end of a light subpath that is connected.
+#[derive(Clone, Copy)]
+pub struct LightEnd<'a> {
+    /// Where it stands.
+    pub at: Interaction<'a>,
+    /// What it carries.
+    pub throughput: Rgb,
+    /// Its share of the weights.
+    pub weights: PartialWeights,
+    /// Edges from the emitter.
+    pub edges: u32,
+}
+
+impl<'a> LightEnd<'a> {
+    /// Of a stored vertex.
+    #[inline]
+    pub fn new(vertex: &super::PathVertex, at: Interaction<'a>) -> LightEnd<'a> {
+        LightEnd {
+            at,
+            throughput: vec3(vertex.throughput),
+            weights: vertex.weights(),
+            edges: vertex.depth,
+        }
+    }
+}
+
+/// The segment to the lens point, without the part before the near clipping plane.
+#[inline]
+fn to_lens_segment(point: &SurfacePoint, seen: &camera::FilmPosition) -> Ray {
+    let mut ray = point.spawn(seen.direction);
+    ray.t_max = seen.unclipped.min(seen.distance * (1.0 - 1e-5));
+    ray
+}

@@ -1,0 +1,295 @@
+//! Bidirectional path tracing and light tracing (Veach 1997, chapter 10; Lafortune and Willems 1993).
+//!
+//! Each sample of a pixel traces one walk from an emitter and one through the pixel. Every vertex of the one is connected to
+//! every vertex of the other, to the lens and to an emitter point, and what the walks meet by chance counts too; weights
+//! combine all strategies that can make the same path:
+//!
+//! ```text
+//! I_j = sum_(s,t) w_(s,t) C_(s,t) / p_(s,t),   sum_s w_(s, k+1-s) = 1
+//! ```
+//!
+//! Strategies with t < 2 splat light anywhere on the film. Light tracing is the part with t = 1, unweighted.
+//!
+//! The bounces are steps of [`Walk`]s whose rays somebody else traces: [`sample`] one by one, a front end those of many
+//! samples together. Random numbers come from two streams, one for each walk and the connections of its vertices, so that the
+//! length of one walk does not shift the numbers of the other.
+//! Invariants (tests): the mean is that of path tracing; weights of all strategies of a path sum to one.
+
+use super::settings::{IntegratorSettings, integrator_kind};
+use crate::bsdf::{Bsdf, mode};
+use crate::math::{Ray, Rgb};
+use crate::path::rules::step;
+use crate::path::visibility::contribution_transmittance;
+use crate::path::{
+    Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, Strategies, Walk,
+};
+use crate::sampler::Sampler;
+use crate::scene::emitter::emission::{self, EmissionSample};
+use crate::scene::surface::{detail, surface_with};
+use crate::scene::{Hit, NONE, SceneView, Tables, Traverse, camera_kind};
+use glam::{Vec2, Vec3};
+
+/// Where the vertices of light walks are kept.
+pub trait VertexStore {
+    /// Keeps a vertex and returns its index, or [`NONE`] where there is no room.
+    fn push(&mut self, vertex: &PathVertex) -> u32;
+    /// A vertex that was kept.
+    fn get(&self, index: u32) -> PathVertex;
+}
+
+/// The algorithm over a scene.
+#[derive(Clone, Copy)]
+pub struct Bidirectional<'a> {
+    /// What connections have in common.
+    pub connector: Connector<'a>,
+    /// Whether there are camera walks.
+    pub has_camera_walks: bool,
+}
+
+impl<'a> Bidirectional<'a> {
+    /// With the strategies that the settings ask for.
+    pub fn new(tables: &'a Tables<'a>, settings: &IntegratorSettings) -> Bidirectional<'a> {
+        let own = &settings.bidirectional;
+        let traces_light = settings.kind == integrator_kind::LIGHT_TRACING;
+        Bidirectional {
+            connector: Connector {
+                tables,
+                rules: settings.rules(),
+                strategies: Strategies {
+                    heuristic: Heuristic {
+                        is_power: own.power_heuristic != 0,
+                    },
+                    light_image: traces_light || own.light_image != 0,
+                    sample_direct: own.sample_direct != 0,
+                    only_s: own.only_s,
+                    only_t: if traces_light { 1 } else { own.only_t },
+                    unweighted: traces_light || own.unweighted != 0,
+                },
+            },
+            has_camera_walks: !traces_light,
+        }
+    }
+
+    /// The ray with which a light walk begins.
+    #[inline]
+    pub fn emit<S: Sampler>(&self, sampler: &mut S) -> EmissionSample {
+        let u_select = sampler.next_1d();
+        let u_position = sampler.next_2d();
+        let u_direction = sampler.next_2d();
+        emission::sample(self.connector.tables, u_select, u_position, u_direction)
+    }
+
+    /// What the start of a light walk adds itself.
+    #[inline]
+    pub fn start<S: Sampler>(&self, start: &EmissionSample, sampler: &mut S) -> Contribution {
+        if !self.connector.strategies.light_image {
+            return Contribution::NONE;
+        }
+        let u_lens = self.lens_numbers(sampler);
+        self.connector.start_to_lens(start, u_lens)
+    }
+
+    /// Numbers that choose a lens point, where the lens has more than one.
+    #[inline]
+    fn lens_numbers<S: Sampler>(&self, sampler: &mut S) -> Vec2 {
+        if self.connector.tables.camera.kind == camera_kind::THIN_LENS {
+            sampler.next_2d()
+        } else {
+            Vec2::ZERO
+        }
+    }
+
+    /// One bounce of a light walk, from what its ray meets to its next ray: hands on what it adds, keeps the vertex in
+    /// `store`, with `last` the index of the walk's vertex before and then of this, and scatters. Says what is next,
+    /// [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
+    pub fn light_bounce<S: Sampler, V: VertexStore>(
+        &self,
+        walk: &mut Walk,
+        sampler: &mut S,
+        hit: &Hit,
+        bsdf: &mut Bsdf,
+        store: &mut V,
+        last: &mut u32,
+        mut add: impl FnMut(Contribution),
+    ) -> u32 {
+        let connector = &self.connector;
+        let tables = connector.tables;
+        let met = connector.lens_met(walk, hit.t);
+        if met.is_some() {
+            add(met);
+        }
+        let edges = walk.depth + 1;
+        if !hit.is_hit() || !connector.allows_edges(edges.saturating_add(1)) {
+            return step::END;
+        }
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
+        let direction = walk.ray.direction;
+        let wi = point.frame.to_local(-direction);
+        if !connector.rules.allows(&point, -direction, wi.z) {
+            return step::END;
+        }
+        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
+        let at = Interaction::new(&point, bsdf, direction);
+        if bsdf.has_smooth() {
+            if connector.strategies.light_image {
+                let u_lens = self.lens_numbers(sampler);
+                let seen = connector.to_lens(walk.throughput, walk.arrived, edges, &at, u_lens);
+                if seen.is_some() {
+                    add(seen);
+                }
+            }
+            if self.has_camera_walks {
+                *last = store.push(&walk.vertex(hit, *last));
+                if *last == NONE {
+                    return step::END;
+                }
+            }
+        }
+        let h = connector.strategies.heuristic;
+        walk.scatter(tables, &connector.rules, h, sampler, &at)
+    }
+
+    /// One bounce of a camera walk, connected to the vertices of a light walk by the index of its `last` and to its `start`.
+    /// `add` takes what may be shadowed; what the walk found itself is returned with what is next, as
+    /// [`Bidirectional::light_bounce`] says it.
+    pub fn camera_bounce<S: Sampler, V: VertexStore>(
+        &self,
+        walk: &mut Walk,
+        sampler: &mut S,
+        hit: &Hit,
+        bsdf: &mut Bsdf,
+        light_bsdf: &mut Bsdf,
+        store: &V,
+        last: u32,
+        start: &EmissionSample,
+        mut add: impl FnMut(Contribution),
+    ) -> (Rgb, u32) {
+        let connector = &self.connector;
+        let tables = connector.tables;
+        if !hit.is_hit() {
+            return (connector.escaped(walk), step::END);
+        }
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
+        if walk.depth == 0 && connector.rules.hide_emitters != 0 && point.emitter != NONE {
+            return (Vec3::ZERO, walk.pass(&point));
+        }
+        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        let emitted = connector.emitted(walk, &point);
+        if !connector.allows_edges(walk.depth.saturating_add(2)) {
+            return (emitted, step::END);
+        }
+        let direction = walk.ray.direction;
+        let wi = point.frame.to_local(-direction);
+        if !connector.rules.allows(&point, -direction, wi.z) {
+            return (emitted, step::END);
+        }
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
+        let at = Interaction::new(&point, bsdf, direction);
+        if bsdf.has_smooth() {
+            let lit = if connector.strategies.sample_direct {
+                let u_select = sampler.next_1d();
+                let u = sampler.next_2d();
+                connector.next_event(walk, &at, u_select, u)
+            } else {
+                connector.start_event(walk, &at, start)
+            };
+            if lit.is_some() {
+                add(lit);
+            }
+            let mut index = last;
+            while index != NONE {
+                let vertex = store.get(index);
+                index = vertex.previous;
+                if !connector
+                    .allows_edges(vertex.depth.saturating_add(walk.depth).saturating_add(2))
+                {
+                    continue;
+                }
+                let light_point = vertex.point(tables);
+                let from = crate::math::vec3(vertex.direction);
+                let light_wi = light_point.frame.to_local(-from);
+                light_bsdf.look_up(tables, &light_point, light_wi, mode::RADIANCE);
+                let end = LightEnd::new(&vertex, Interaction::new(&light_point, light_bsdf, from));
+                let joined = connector.inner(&end, walk, &at);
+                if joined.is_some() {
+                    add(joined);
+                }
+            }
+        }
+        let h = connector.strategies.heuristic;
+        let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
+        (emitted, next)
+    }
+}
+
+/// One sample: the radiance of the pixel that `ray` belongs to is returned, splats are handed to `splat`, both without what
+/// lies in shadow.
+pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    light_sampler: &mut S,
+    camera_sampler: &mut S,
+    ray: &Ray,
+    store: &mut V,
+    mut splat: impl FnMut(Contribution),
+) -> Rgb {
+    let algorithm = Bidirectional::new(&view.tables, settings);
+    let rules = settings.rules();
+    let mut radiance = Vec3::ZERO;
+    let mut bsdf = Bsdf::BLACK;
+    let mut light_bsdf = Bsdf::BLACK;
+    let mut last = NONE;
+    let start = algorithm.emit(light_sampler);
+    if start.is_some() && rules.max_depth > 0 {
+        let mut unshadowed = |mut contribution: Contribution| {
+            contribution.value *= contribution_transmittance(view, &rules, &contribution);
+            if contribution.is_some() {
+                splat(contribution);
+            }
+        };
+        let own = algorithm.start(&start, light_sampler);
+        if own.is_some() {
+            unshadowed(own);
+        }
+        let mut walk = Walk::from_emitter(&start);
+        let mut next = step::TRACE;
+        while next == step::TRACE {
+            let hit = view.traverse.closest_hit(&walk.ray);
+            next = algorithm.light_bounce(
+                &mut walk,
+                light_sampler,
+                &hit,
+                &mut bsdf,
+                store,
+                &mut last,
+                &mut unshadowed,
+            );
+        }
+    }
+    if !algorithm.has_camera_walks || rules.max_depth == 0 {
+        return radiance;
+    }
+    let mut walk = Walk::from_sensor(ray);
+    let mut next = step::TRACE;
+    while next == step::TRACE {
+        let hit = view.traverse.closest_hit(&walk.ray);
+        let mut lit = Vec3::ZERO;
+        let (found, after) = algorithm.camera_bounce(
+            &mut walk,
+            camera_sampler,
+            &hit,
+            &mut bsdf,
+            &mut light_bsdf,
+            store,
+            last,
+            &start,
+            |contribution| {
+                lit += contribution.value * contribution_transmittance(view, &rules, &contribution);
+            },
+        );
+        radiance += found + lit;
+        next = after;
+    }
+    radiance
+}

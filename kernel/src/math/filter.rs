@@ -255,6 +255,30 @@ impl Interval {
     }
 }
 
+/// Integral of the filter over [`lo`, `hi`], in pixels from the centre; Simpson's rule in `f64`.
+///
+/// Runs on the host only, once per row and column of a film.
+#[cfg(not(target_arch = "spirv"))]
+pub fn integral(kind: u32, parameters: [f32; 3], lo: f32, hi: f32) -> f64 {
+    const PARTS: u32 = 4096;
+    let r = radius(kind, parameters);
+    let (lo, hi) = (f64::from(lo.max(-r)), f64::from(hi.min(r)));
+    let width = (hi - lo) / f64::from(PARTS);
+    let mut sum = 0.0;
+    for k in 0..=PARTS {
+        let weight = if k == 0 || k == PARTS {
+            1.0
+        } else if k % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        };
+        let x = (lo + f64::from(k) * width) as f32;
+        sum += weight * f64::from(eval(kind, parameters, x.max(-r).min(r)));
+    }
+    sum * width / 3.0
+}
+
 /// Fills the table of a filter; `out` has [`table_words`] of the number of steps.
 ///
 /// Runs on the host only, once per scene: it sums in `f64`.

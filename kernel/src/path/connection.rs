@@ -395,7 +395,7 @@ impl Connector<'_> {
                 .weights
                 .sum(h, seen.pdf * cos_light / distance2, sent.pdf_reverse);
         let shorter_camera =
-            walk.weights
+            walk.arrived
                 .sum(h, sent.pdf * cos_camera / distance2, seen.pdf_reverse);
         let weight = self.strategies.weight(shorter_light, shorter_camera);
         let value = walk.throughput * seen.value * (light.throughput * sent.value);

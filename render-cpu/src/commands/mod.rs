@@ -1,6 +1,7 @@
 //! The subcommands of `halflight`, one per file, and what they share.
 
 pub mod compare;
+pub mod estimator_args;
 pub mod experiment;
 pub mod info;
 pub mod material;

@@ -1,5 +1,6 @@
 //! `halflight render`: a scene file to an EXR and a PNG.
 
+use super::estimator_args::EstimatorArgs;
 use super::render_observer::{Checkpoint, RunObserver};
 pub use super::render_output::sampler_name;
 use super::render_values::{parse_aov, parse_duration, parse_exposure, parse_range};
@@ -10,7 +11,7 @@ use crate::film::aov::{Aov, AovSet};
 use crate::film::checkpoint::{Settings, load_checkpoint};
 use crate::image::png_output::Exposure;
 use crate::render::progress::ProgressReport;
-use crate::render::{Goal, Observer, Outcome, RenderOptions, RunState, render};
+use crate::render::{Goal, Observer, Outcome, RenderOptions, RunState, Shape, render, shape};
 use crate::scene::build::Scene;
 use clap::Args;
 use std::error::Error;
@@ -29,6 +30,9 @@ pub struct RenderArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
+    /// The algorithm's own.
+    #[command(flatten)]
+    pub estimator: EstimatorArgs,
     /// Image to write; a PNG of the same name goes beside it. Default: the scene's name with .exr, in the working
     /// directory.
     #[arg(short, long, value_name = "OUT.exr")]
@@ -129,7 +133,13 @@ pub fn run_with(
             .build_global()?;
     }
     let start = Instant::now();
-    let scene = args.scene.load()?;
+    let mut scene = args.scene.load()?;
+    args.estimator.apply(&mut scene)?;
+    if args.adaptive && shape(scene.settings.kind) == Shape::Splats {
+        return Err(
+            "--adaptive needs pixels that share no light: it is for path, direct and ao".into(),
+        );
+    }
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }

@@ -158,7 +158,19 @@ impl Film {
     /// # Panics
     /// If `size` is zero.
     pub fn tiles_mut(&mut self, size: u32) -> Vec<FilmTile<'_>> {
-        assert!(size > 0, "tiles need a size");
+        self.blocks_mut(size, size)
+    }
+
+    /// Cuts the film into bands of whole rows that can be worked on at the same time, from top to bottom.
+    ///
+    /// # Panics
+    /// If `rows` is zero.
+    pub fn bands_mut(&mut self, rows: u32) -> Vec<FilmTile<'_>> {
+        self.blocks_mut(self.width, rows)
+    }
+
+    fn blocks_mut(&mut self, size: u32, rows: u32) -> Vec<FilmTile<'_>> {
+        assert!(size > 0 && rows > 0, "tiles need a size");
         let aovs = self.aovs;
         let n = aovs.accumulators();
         let width = self.width as usize;
@@ -168,7 +180,7 @@ impl Film {
         for (y, row) in self.statistics.chunks_mut(width).enumerate() {
             let (mut row_sums, rest) = sums.split_at_mut(width * n);
             sums = rest;
-            if y % size as usize == 0 {
+            if y % rows as usize == 0 {
                 for tile in 0..across {
                     let x = tile as u32 * size;
                     tiles.push(FilmTile {

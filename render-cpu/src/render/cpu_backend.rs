@@ -3,6 +3,7 @@
 use super::backend::{Backend, PassError};
 use super::options::{Outcome, RenderOptions, RunState};
 use super::run_loop::{NoObserver, Observer, render_with};
+use super::splatting::render_layers;
 use super::tile_job::{TileJob, Workspace};
 use crate::accel::Accel;
 use crate::film::aov::AovSet;
@@ -12,7 +13,7 @@ use crate::scene::build::Scene;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
@@ -92,16 +93,45 @@ impl Backend for CpuBackend<'_> {
             tables,
             traverse: &traverse,
         };
-        render_pass(
-            &view,
-            &self.scene.settings,
-            self.scene.sampler,
-            self.options,
-            film,
-            per_pixel,
-            counts,
-        );
+        let (settings, options) = (&self.scene.settings, self.options);
+        let is_sobol = self.scene.sampler == sampler_kind::SOBOL;
+        match shape(settings.kind) {
+            Shape::Pixels => {
+                let kind = self.scene.sampler;
+                render_pass(&view, settings, kind, options, film, per_pixel, counts);
+            }
+            Shape::Splats if counts.is_some() => {
+                return Err(
+                    "samples cannot go where the error is when pixels share their light".into(),
+                );
+            }
+            Shape::Splats if is_sobol => {
+                let new = SobolSampler::new;
+                render_layers(&view, settings, options, film, per_pixel, new);
+            }
+            Shape::Splats => {
+                let new = IndependentSampler::new;
+                render_layers(&view, settings, options, film, per_pixel, new);
+            }
+        }
         Ok(())
+    }
+}
+
+/// How an algorithm's samples are driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A sample is its pixel's alone.
+    Pixels,
+    /// A sample adds light to other pixels too.
+    Splats,
+}
+
+/// The driver of each kind of integrator.
+pub fn shape(kind: u32) -> Shape {
+    match kind {
+        integrator_kind::BIDIRECTIONAL | integrator_kind::LIGHT_TRACING => Shape::Splats,
+        _ => Shape::Pixels,
     }
 }
 

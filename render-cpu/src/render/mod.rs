@@ -4,13 +4,16 @@
 //! threads, a tile of the film at a time (`tile_job`).
 
 mod backend;
+mod bidirectional_job;
 mod cpu_backend;
 mod options;
 pub mod progress;
 pub mod run_loop;
+mod splat;
+mod splatting;
 mod tile_job;
 
 pub use backend::{Backend, PassError};
-pub use cpu_backend::{CpuBackend, render, render_film};
+pub use cpu_backend::{CpuBackend, Shape, render, render_film, shape};
 pub use options::{Goal, Outcome, RenderOptions, RunState};
 pub use run_loop::{NoObserver, Observer, render_with};

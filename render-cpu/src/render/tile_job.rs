@@ -132,14 +132,24 @@ impl<T: Traverse> TileJob<'_, T> {
     }
 
     /// Adds the surface that the first ray of a sample meets to its pixel.
-    fn add_surface<S: Sampler>(&self, tile: &mut FilmTile<'_>, [x, y]: [u32; 2], mut sampler: S) {
-        let (features, _) = aov::sample_pixel(self.view, &mut sampler, self.pixel(x, y));
-        tile.pixel_mut(x, y).add_aovs(&AovSample {
-            albedo: features.albedo.to_array(),
-            normal: features.normal.to_array(),
-            depth: features.depth,
-            position: features.position.to_array(),
-            uv: features.uv.to_array(),
-        });
+    fn add_surface<S: Sampler>(&self, tile: &mut FilmTile<'_>, [x, y]: [u32; 2], sampler: S) {
+        let sample = surface_sample(self.view, sampler, self.pixel(x, y));
+        tile.pixel_mut(x, y).add_aovs(&sample);
+    }
+}
+
+/// The surface that the first ray of a sample of the pixel (in the whole film) meets.
+pub fn surface_sample<T: Traverse, S: Sampler>(
+    view: &SceneView<'_, T>,
+    mut sampler: S,
+    pixel: [u32; 2],
+) -> AovSample {
+    let (features, _) = aov::sample_pixel(view, &mut sampler, pixel);
+    AovSample {
+        albedo: features.albedo.to_array(),
+        normal: features.normal.to_array(),
+        depth: features.depth,
+        position: features.position.to_array(),
+        uv: features.uv.to_array(),
     }
 }

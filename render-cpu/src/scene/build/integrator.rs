@@ -31,6 +31,8 @@ pub(super) fn build(
             settings.occlusion.samples =
                 object.get_int_in("shading_samples", 1, 1, 1 << 20)? as u32;
         }
+        settings.bidirectional.light_image = object.get_bool("light_image", true)?.into();
+        settings.bidirectional.sample_direct = object.get_bool("sample_direct", true)?.into();
         // Mitsuba 0.6: -1 takes half of the scene's size.
         let length = object.get_float("ray_length", -1.0)?;
         if length > 0.0 {
@@ -41,9 +43,11 @@ pub(super) fn build(
         "path" | "volpath" | "volpath_simple" | "volpathmis" => integrator_kind::PATH,
         "direct" => integrator_kind::DIRECT,
         "ao" => integrator_kind::AMBIENT_OCCLUSION,
+        "bdpt" => integrator_kind::BIDIRECTIONAL,
+        "ptracer" => integrator_kind::LIGHT_TRACING,
         other if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
-                "there is no integrator \"{other}\"; known are path, direct and ao"
+                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer and bdpt"
             )));
         }
         other => {

@@ -1,0 +1,72 @@
+//! Arguments that change how an algorithm estimates, whatever the scene says.
+
+use crate::render::{Shape, shape};
+use crate::scene::build::Scene;
+use clap::{Args, ValueEnum};
+
+/// How strategies are weighted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HeuristicName {
+    /// By squares of densities.
+    Power,
+    /// By densities.
+    Balance,
+}
+
+/// What the command line changes about bidirectional algorithms.
+#[derive(Args, Clone, Debug, Default)]
+pub struct EstimatorArgs {
+    /// Weights of the strategies of bdpt.
+    #[arg(long, value_name = "NAME")]
+    pub heuristic: Option<HeuristicName>,
+    /// Only what bdpt finds with S vertices from the light and T from the sensor (bdpt); "*" stands for any number.
+    #[arg(long, value_name = "S,T", value_parser = parse_strategy)]
+    pub strategies: Option<[Option<u32>; 2]>,
+    /// Without weights, each strategy as if it were alone; with --strategies.
+    #[arg(long, requires = "strategies")]
+    pub unweighted: bool,
+}
+
+impl EstimatorArgs {
+    /// Changes the scene's settings.
+    ///
+    /// # Errors
+    /// If they are not of the algorithm that will run.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
+        let is_used = self.heuristic.is_some() || self.strategies.is_some();
+        if is_used && shape(scene.settings.kind) != Shape::Splats {
+            return Err(
+                "--heuristic and --strategies are for bidirectional algorithms (--integrator bdpt)"
+                    .to_string(),
+            );
+        }
+        let own = &mut scene.settings.bidirectional;
+        if let Some(name) = self.heuristic {
+            own.power_heuristic = (name == HeuristicName::Power).into();
+        }
+        if let Some([s, t]) = self.strategies {
+            let all = halflight_kernel::scene::NONE;
+            own.only_s = s.unwrap_or(all);
+            own.only_t = t.unwrap_or(all);
+            own.unweighted = self.unweighted.into();
+        }
+        Ok(())
+    }
+}
+
+/// Two numbers of vertices.
+fn parse_strategy(text: &str) -> Result<[Option<u32>; 2], String> {
+    let form = || "expected S,T, each a number of vertices or *".to_string();
+    let number = |text: &str| match text.trim() {
+        "*" => Ok(None),
+        text => text.parse().map(Some).map_err(|_| form()),
+    };
+    let (s, t) = text.split_once(',').ok_or_else(form)?;
+    let strategy: [Option<u32>; 2] = [number(s)?, number(t)?];
+    match strategy {
+        [Some(s), Some(t)] if s.saturating_add(t) < 2 => {
+            Err("a path has at least two vertices".to_string())
+        }
+        _ => Ok(strategy),
+    }
+}

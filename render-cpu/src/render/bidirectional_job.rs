@@ -1,0 +1,300 @@
+//! The samples of one tile and one layer for algorithms with light walks, on one thread.
+//!
+//! All samples of the tile are under way together: first their light walks, bounce by bounce, then their camera walks, and
+//! the rays of all of a kind are traced in lockstep. Segments that must be free wait until there are enough of them. What a
+//! tile gives is a function of its pixels, the sample's index and the seed.
+
+use super::splat::Splat;
+use glam::{Vec2, Vec3};
+use halflight_kernel::bsdf::Bsdf;
+use halflight_kernel::math::Rgb;
+use halflight_kernel::path::rules::step;
+use halflight_kernel::path::visibility::contribution_transmittance;
+use halflight_kernel::path::{Contribution, PathVertex, Walk};
+use halflight_kernel::sampler::LaneSampler;
+use halflight_kernel::scene::emitter::emission::EmissionSample;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::scene::{HitBatch, NONE, RayBatch, SceneView, scene_flag};
+use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
+use halflight_kernel::transport::{IntegratorSettings, sensor_ray};
+
+/// Rays that are traced together.
+const RAYS: usize = 1024;
+
+/// The vertices of all light walks of a tile.
+#[derive(Default)]
+struct Vertices(Vec<PathVertex>);
+
+impl VertexStore for Vertices {
+    fn push(&mut self, vertex: &PathVertex) -> u32 {
+        let index = self.0.len() as u32;
+        self.0.push(*vertex);
+        index
+    }
+
+    fn get(&self, index: u32) -> PathVertex {
+        self.0[index as usize]
+    }
+}
+
+/// A contribution whose segment has not been traced yet.
+#[derive(Clone, Copy)]
+struct Pending {
+    value: Rgb,
+    film: Vec2,
+    sample: u32,
+    is_splat: bool,
+}
+
+/// Contributions that wait for their segments to be traced.
+struct Shadows {
+    rays: Box<RayBatch<RAYS>>,
+    hits: Box<HitBatch<RAYS>>,
+    pending: Vec<Pending>,
+}
+
+/// What a tile gives.
+#[derive(Default)]
+pub struct TileSamples {
+    /// Radiance of every pixel, by rows, times its reconstruction weight.
+    pub radiance: Vec<Rgb>,
+    /// Splats in the order in which they were made.
+    pub splats: Vec<Splat>,
+}
+
+/// A sample of a pixel: its pixel in the whole film, and the numbers of its two walks.
+#[derive(Clone, Copy)]
+pub struct TileSample<S> {
+    /// The pixel.
+    pub pixel: [u32; 2],
+    /// Numbers of the light walk.
+    pub light: S,
+    /// Numbers of the camera walk.
+    pub camera: S,
+}
+
+/// What a thread needs for its tiles.
+pub struct BidirectionalWorkspace {
+    rays: Box<RayBatch<RAYS>>,
+    hits: Box<HitBatch<RAYS>>,
+    walks: Vec<Walk>,
+    active: Vec<u32>,
+    starts: Vec<EmissionSample>,
+    last: Vec<u32>,
+    weights: Vec<f32>,
+    vertices: Vertices,
+    shadows: Shadows,
+    bsdf: Box<[Bsdf; 2]>,
+}
+
+impl BidirectionalWorkspace {
+    /// Room that grows with the first tiles.
+    pub fn new() -> BidirectionalWorkspace {
+        BidirectionalWorkspace {
+            rays: bytemuck::zeroed_box(),
+            hits: bytemuck::zeroed_box(),
+            walks: Vec::new(),
+            active: Vec::new(),
+            starts: Vec::new(),
+            last: Vec::new(),
+            weights: Vec::new(),
+            vertices: Vertices::default(),
+            shadows: Shadows {
+                rays: bytemuck::zeroed_box(),
+                hits: bytemuck::zeroed_box(),
+                pending: Vec::with_capacity(RAYS),
+            },
+            bsdf: Box::new([Bsdf::BLACK; 2]),
+        }
+    }
+
+    /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held.
+    pub fn run<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        samples: &mut [TileSample<S>],
+        out: &mut TileSamples,
+    ) {
+        assert!(samples.len() <= RAYS, "a tile has at most {RAYS} samples");
+        out.radiance.clear();
+        out.radiance.resize(samples.len(), Vec3::ZERO);
+        out.splats.clear();
+        if settings.max_depth == 0 {
+            return;
+        }
+        let algorithm = Bidirectional::new(&view.tables, settings);
+        self.trace_light(view, settings, &algorithm, samples, out);
+        if algorithm.has_camera_walks {
+            self.trace_cameras(view, settings, &algorithm, samples, out);
+        }
+        for (radiance, weight) in out.radiance.iter_mut().zip(&self.weights) {
+            *radiance *= *weight;
+        }
+    }
+
+    fn trace_light<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        algorithm: &Bidirectional<'_>,
+        samples: &mut [TileSample<S>],
+        out: &mut TileSamples,
+    ) {
+        self.walks.clear();
+        self.active.clear();
+        self.starts.clear();
+        self.last.clear();
+        self.vertices.0.clear();
+        for (i, sample) in samples.iter_mut().enumerate() {
+            let start = algorithm.emit(&mut sample.light);
+            self.walks.push(Walk::from_emitter(&start));
+            self.starts.push(start);
+            self.last.push(NONE);
+            if start.is_some() {
+                let own = algorithm.start(&start, &mut sample.light);
+                self.shadows.push(view, settings, i as u32, &own, out);
+                self.active.push(i as u32);
+            }
+        }
+        while !self.active.is_empty() {
+            self.trace(view);
+            let mut kept = 0;
+            for k in 0..self.active.len() {
+                let i = self.active[k] as usize;
+                let shadows = &mut self.shadows;
+                let next = algorithm.light_bounce(
+                    &mut self.walks[i],
+                    &mut samples[i].light,
+                    &self.hits.get(k),
+                    &mut self.bsdf[0],
+                    &mut self.vertices,
+                    &mut self.last[i],
+                    |contribution| shadows.push(view, settings, i as u32, &contribution, out),
+                );
+                if next == step::TRACE {
+                    self.active[kept] = i as u32;
+                    kept += 1;
+                }
+            }
+            self.active.truncate(kept);
+        }
+        self.shadows.trace(view, out);
+    }
+
+    fn trace_cameras<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        algorithm: &Bidirectional<'_>,
+        samples: &mut [TileSample<S>],
+        out: &mut TileSamples,
+    ) {
+        self.walks.clear();
+        self.weights.clear();
+        for (i, sample) in samples.iter_mut().enumerate() {
+            let seen = sensor_ray(&view.tables, &mut sample.camera, sample.pixel);
+            self.walks.push(Walk::from_sensor(&seen.ray));
+            self.weights.push(seen.weight);
+            self.active.push(i as u32);
+        }
+        while !self.active.is_empty() {
+            self.trace(view);
+            let mut kept = 0;
+            for k in 0..self.active.len() {
+                let i = self.active[k] as usize;
+                let shadows = &mut self.shadows;
+                let [bsdf, light_bsdf] = &mut *self.bsdf;
+                let (found, next) = algorithm.camera_bounce(
+                    &mut self.walks[i],
+                    &mut samples[i].camera,
+                    &self.hits.get(k),
+                    bsdf,
+                    light_bsdf,
+                    &self.vertices,
+                    self.last[i],
+                    &self.starts[i],
+                    |contribution| shadows.push(view, settings, i as u32, &contribution, out),
+                );
+                out.radiance[i] += found;
+                if next == step::TRACE {
+                    self.active[kept] = i as u32;
+                    kept += 1;
+                }
+            }
+            self.active.truncate(kept);
+            // Before light of the next bounce, so that sums do not depend on what else waited.
+            self.shadows.trace(view, out);
+        }
+    }
+
+    /// Traces the rays of the active walks; hit `k` is that of walk `active[k]`.
+    fn trace<T: Traverse>(&mut self, view: &SceneView<'_, T>) {
+        for (k, &i) in self.active.iter().enumerate() {
+            self.rays.set(k, &self.walks[i as usize].ray);
+        }
+        view.traverse
+            .closest_hits(&self.rays, self.active.len(), &mut self.hits);
+    }
+}
+
+impl Shadows {
+    /// Adds a contribution now if what lies in its way is not a matter of yes or no, later otherwise.
+    fn push<T: Traverse>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        sample: u32,
+        contribution: &Contribution,
+        out: &mut TileSamples,
+    ) {
+        if !contribution.is_some() {
+            return;
+        }
+        let mut pending = Pending {
+            value: contribution.value,
+            film: contribution.film,
+            sample,
+            is_splat: contribution.is_splat(),
+        };
+        let passes_emitters = settings.hide_emitters != 0 && pending.is_splat;
+        let has_masks = view.tables.info.flags & scene_flag::HAS_NULL != 0;
+        if contribution.t == 0 || passes_emitters || has_masks {
+            pending.value *= contribution_transmittance(view, &settings.rules(), contribution);
+            out.add(&pending);
+            return;
+        }
+        if self.pending.len() == RAYS {
+            self.trace(view, out);
+        }
+        self.rays.set(self.pending.len(), &contribution.ray);
+        self.pending.push(pending);
+    }
+
+    /// Adds what does not lie in shadow.
+    fn trace<T: Traverse>(&mut self, view: &SceneView<'_, T>, out: &mut TileSamples) {
+        view.traverse
+            .are_occluded(&self.rays, self.pending.len(), &mut self.hits);
+        for (i, pending) in self.pending.iter().enumerate() {
+            if !self.hits.is_hit(i) {
+                out.add(pending);
+            }
+        }
+        self.pending.clear();
+    }
+}
+
+impl TileSamples {
+    fn add(&mut self, pending: &Pending) {
+        if pending.is_splat {
+            if pending.value.max_element() > 0.0 {
+                self.splats.push(Splat {
+                    film: pending.film,
+                    value: pending.value,
+                });
+            }
+        } else {
+            self.radiance[pending.sample as usize] += pending.value;
+        }
+    }
+}

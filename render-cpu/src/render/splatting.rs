@@ -1,0 +1,209 @@
+//! The driver of algorithms whose samples also splat: layers of samples, one of every pixel at a time.
+//!
+//! The value of a pixel in a layer is what its own sample found plus the splats that fall on it from all samples of the layer.
+//! Layers are independent, so the film's statistics give a variance for splatted images too, all correlations within a
+//! layer included. Several layers are taken together, as many as keep the threads busy on a small film: the memory is that
+//! of a few layers, whatever the number of threads. Splats are added in the order of tiles and samples, so that the sums
+//! depend on the layer's index alone.
+
+use super::bidirectional_job::{BidirectionalWorkspace, TileSample, TileSamples};
+use super::options::RenderOptions;
+use super::splat::{Splat, SplatFilter};
+use super::tile_job::surface_sample;
+use crate::film::Film;
+use glam::Vec3;
+use halflight_kernel::sampler::{LaneSampler, mix};
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::IntegratorSettings;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::sync::{Mutex, PoisonError};
+
+/// Side of the square of pixels whose samples are traced together.
+const TILE: u32 = 32;
+
+/// Rows whose splats are added by one thread.
+const BAND: u32 = 32;
+
+/// Pixels of the layers that are taken together, about.
+const PIXELS_AT_A_TIME: u64 = 1 << 18;
+
+/// Turns the seed of camera walks into that of light walks.
+const LIGHT_STREAM: u32 = 0x3c6e_f35f;
+
+/// Adds `layers` samples to every pixel of the film.
+pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    options: &RenderOptions,
+    film: &mut Film,
+    layers: u32,
+    new: impl Fn(u32, u32, u32) -> S + Sync,
+) {
+    let pixels = u64::from(film.width()) * u64::from(film.height());
+    let together = (PIXELS_AT_A_TIME / pixels).clamp(1, 64) as u32;
+    let filter = SplatFilter::new(&view.tables.camera);
+    let idle = Mutex::new(Vec::new());
+    let mut done = 0;
+    while done < layers {
+        let count = together.min(layers - done);
+        let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
+        let tiles = tiles(film);
+        let tasks = count as usize * tiles.len();
+        let results: Vec<TaskResult> = (0..tasks)
+            .into_par_iter()
+            .map(|task| {
+                let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+                let workspace = lock().pop();
+                let mut workspace = workspace.unwrap_or_else(BidirectionalWorkspace::new);
+                let layer = first.wrapping_add((task / tiles.len()) as u32);
+                let tile = tiles[task % tiles.len()];
+                let mut samples = tile_samples(view, options.seed, layer, tile, &new);
+                let mut out = TileSamples::default();
+                workspace.run(view, settings, &mut samples, &mut out);
+                lock().push(workspace);
+                TaskResult::new(tile, out, &filter, film.height())
+            })
+            .collect();
+        add_layers(
+            view,
+            options.seed,
+            first,
+            film,
+            &filter,
+            &results,
+            tiles.len(),
+            &new,
+        );
+        done += count;
+    }
+}
+
+/// A rectangle of pixels of the window: its first pixel and its size.
+#[derive(Clone, Copy)]
+struct Tile {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+fn tiles(film: &Film) -> Vec<Tile> {
+    let mut tiles = Vec::new();
+    for y in (0..film.height()).step_by(TILE as usize) {
+        for x in (0..film.width()).step_by(TILE as usize) {
+            tiles.push(Tile {
+                x,
+                y,
+                width: TILE.min(film.width() - x),
+                height: TILE.min(film.height() - y),
+            });
+        }
+    }
+    tiles
+}
+
+/// Pixel in the whole film, and its number.
+fn pixel<T: Traverse>(view: &SceneView<'_, T>, x: u32, y: u32) -> ([u32; 2], u32) {
+    let camera = &view.tables.camera;
+    let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
+    let index = pixel[1]
+        .wrapping_mul(camera.film_size[0])
+        .wrapping_add(pixel[0]);
+    (pixel, index)
+}
+
+/// The samples of a tile in a layer.
+fn tile_samples<T: Traverse, S>(
+    view: &SceneView<'_, T>,
+    seed: u32,
+    layer: u32,
+    tile: Tile,
+    new: &impl Fn(u32, u32, u32) -> S,
+) -> Vec<TileSample<S>> {
+    let light_seed = mix(seed ^ LIGHT_STREAM);
+    let mut samples = Vec::with_capacity((tile.width * tile.height) as usize);
+    for y in tile.y..tile.y + tile.height {
+        for x in tile.x..tile.x + tile.width {
+            let (pixel, index) = pixel(view, x, y);
+            samples.push(TileSample {
+                pixel,
+                light: new(light_seed, index, layer),
+                camera: new(seed, index, layer),
+            });
+        }
+    }
+    samples
+}
+
+/// What a tile gave in a layer, its splats by the bands that they reach.
+struct TaskResult {
+    tile: Tile,
+    radiance: Vec<Vec3>,
+    bands: Vec<Vec<Splat>>,
+}
+
+impl TaskResult {
+    fn new(tile: Tile, samples: TileSamples, filter: &SplatFilter, height: u32) -> TaskResult {
+        let mut bands = vec![Vec::new(); height.div_ceil(BAND) as usize];
+        for splat in &samples.splats {
+            let rows = filter.rows(splat);
+            if !rows.is_empty() {
+                for band in rows.start / BAND..=(rows.end - 1) / BAND {
+                    bands[band as usize].push(*splat);
+                }
+            }
+        }
+        TaskResult {
+            tile,
+            radiance: samples.radiance,
+            bands,
+        }
+    }
+}
+
+/// Adds the layers from `first` on, of which `results` holds `tiles` tiles each, to the film.
+fn add_layers<T: Traverse + Sync, S: LaneSampler>(
+    view: &SceneView<'_, T>,
+    seed: u32,
+    first: u32,
+    film: &mut Film,
+    filter: &SplatFilter,
+    results: &[TaskResult],
+    tiles: usize,
+    new: &(impl Fn(u32, u32, u32) -> S + Sync),
+) {
+    let needs_surface = film.aovs().needs_surface();
+    film.bands_mut(BAND).into_par_iter().for_each(|mut band| {
+        let (top, width, height) = (band.y(), band.width(), band.height());
+        let mut sums = vec![[0.0; 3]; width as usize * height as usize];
+        for (layer, of_layer) in results.chunks(tiles).enumerate() {
+            sums.fill([0.0; 3]);
+            for result in of_layer {
+                let tile = result.tile;
+                for y in tile.y.max(top)..(tile.y + tile.height).min(top + height) {
+                    let from = ((y - tile.y) * tile.width) as usize;
+                    let to = ((y - top) * width + tile.x) as usize;
+                    for x in 0..tile.width as usize {
+                        sums[to + x] = result.radiance[from + x].to_array();
+                    }
+                }
+            }
+            for result in of_layer {
+                for splat in &result.bands[(top / BAND) as usize] {
+                    filter.add(splat, top, &mut sums);
+                }
+            }
+            for (i, sum) in sums.iter().enumerate() {
+                let (x, y) = (i as u32 % width, top + i as u32 / width);
+                let mut entry = band.pixel_mut(x, y);
+                entry.add_sample(Vec3::from_array(*sum));
+                if needs_surface {
+                    let (pixel, index) = pixel(view, x, y);
+                    let sampler = new(seed, index, first.wrapping_add(layer as u32));
+                    entry.add_aovs(&surface_sample(view, sampler, pixel));
+                }
+            }
+        }
+    });
+}

@@ -1,0 +1,4 @@
+//! Bidirectional path tracing and the path layer on scenes from text.
+
+mod scenes;
+mod weights;

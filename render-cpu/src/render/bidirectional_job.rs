@@ -16,7 +16,7 @@ use halflight_kernel::scene::emitter::emission::EmissionSample;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::scene::{HitBatch, NONE, RayBatch, SceneView, scene_flag};
 use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
-use halflight_kernel::transport::{IntegratorSettings, sensor_ray};
+use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
 /// Rays that are traced together.
 const RAYS: usize = 1024;
@@ -193,7 +193,7 @@ impl BidirectionalWorkspace {
         self.walks.clear();
         self.weights.clear();
         for (i, sample) in samples.iter_mut().enumerate() {
-            let seen = sensor_ray(&view.tables, &mut sample.camera, sample.pixel);
+            let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
             self.walks.push(Walk::from_sensor(&seen.ray));
             self.weights.push(seen.weight);
             self.active.push(i as u32);

@@ -10,7 +10,7 @@ use halflight_kernel::scene::emitter;
 use halflight_kernel::scene::emitter::emission::{self, EmissionSample};
 use halflight_kernel::scene::{NONE, SurfacePoint, Tables, camera};
 use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
-use halflight_kernel::transport::sensor_ray;
+use halflight_kernel::transport::camera_ray;
 use halflight_kernel::transport::settings::integrator_kind;
 
 #[derive(Default)]
@@ -137,11 +137,17 @@ fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> 
     let light_points: Vec<SurfacePoint> = store.0.iter().map(|v| v.point(tables)).collect();
     let mut checked = 0;
     let mut compare = |found: Option<f64>, path: &[SurfacePoint], s: usize| {
-        if let Some(found) = found {
+        // Directions of shorter edges differ between positions and rays by more than the tolerance.
+        let is_short = path
+            .windows(2)
+            .any(|edge| edge[0].position.distance(edge[1].position) < 0.02);
+        if let Some(found) = found
+            && !is_short
+        {
             let p = densities(tables, path);
             let expected = reference(&p, s, is_power);
             assert!(
-                (found - expected).abs() < 1e-3 * expected + 1e-4,
+                (found - expected).abs() < 1e-3 * expected + 1e-5,
                 "sample {sample}, s = {s} of {}: {found} instead of {expected}, densities {p:?}",
                 path.len() - 1
             );
@@ -234,7 +240,7 @@ fn camera_walk(
     let connector = &algorithm.connector;
     let mut vertices = Vec::new();
     let pixel = [sample % 8, sample / 8 % 6];
-    let mut walk = Walk::from_sensor(&sensor_ray(tables, sampler, pixel).ray);
+    let mut walk = Walk::from_sensor(&camera_ray(tables, sampler, pixel).ray);
     for _ in 0..5 {
         let hit = view.traverse.closest_hit(&walk.ray);
         if !hit.is_hit() {

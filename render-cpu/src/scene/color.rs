@@ -15,6 +15,7 @@
 mod cie;
 mod source;
 
+pub(crate) use source::read_samples;
 pub use source::{ColorUse, Converted, from_property, is_constant};
 
 use cie::{FIRST_WAVELENGTH, LAST_WAVELENGTH};

@@ -8,6 +8,7 @@ pub mod build;
 pub mod color;
 pub mod error;
 pub mod ior;
+pub mod kept_files;
 pub mod tables;
 pub mod transform;
 pub mod xml;

@@ -71,6 +71,18 @@ impl SceneTables {
         }
     }
 
+    /// Whether rays meet the same triangles, quadrics and instances as in `other`, so that its trees serve both.
+    pub fn has_geometry_of(&self, other: &SceneTables) -> bool {
+        fn same<T: bytemuck::NoUninit>(a: &[T], b: &[T]) -> bool {
+            bytemuck::cast_slice::<T, u8>(a) == bytemuck::cast_slice::<T, u8>(b)
+        }
+        same(&self.positions, &other.positions)
+            && same(&self.triangles, &other.triangles)
+            && same(&self.quadrics, &other.quadrics)
+            && same(&self.instances, &other.instances)
+            && self.groups == other.groups
+    }
+
     /// Bytes held by the tables.
     pub fn memory_bytes(&self) -> usize {
         fn bytes<T>(v: &[T]) -> usize {

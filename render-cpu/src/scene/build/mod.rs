@@ -89,6 +89,17 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     })
 }
 
+/// Settings and name of the integrator that a scene would be built with.
+///
+/// # Errors
+/// When it has a parameter of a wrong form, or `options` name one that is not known.
+pub fn integrator_settings(
+    parsed: &ParsedScene,
+    options: &BuildOptions,
+) -> Result<(IntegratorSettings, String), SceneError> {
+    integrator::build(&parsed.root, options)
+}
+
 /// State while the tables grow.
 struct Builder {
     tables: SceneTables,

@@ -201,14 +201,16 @@ impl Builder {
         if let Some(&known) = self.bitmaps.get(&key) {
             return Ok(known);
         }
-        let bitmap =
-            load_bitmap(path, raw).map_err(|e| object.property_error("filename", e.to_string()))?;
-        let entry = self.push_bitmap(object, bitmap)?;
+        let bitmap = object
+            .kept_files()
+            .get(path, raw.into(), || load_bitmap(path, raw))
+            .map_err(|e| object.property_error("filename", e.to_string()))?;
+        let entry = self.push_bitmap(object, &bitmap)?;
         self.bitmaps.insert(key, entry);
         Ok(entry)
     }
 
-    fn push_bitmap(&mut self, object: &Object, bitmap: Bitmap) -> Result<[u32; 4], SceneError> {
+    fn push_bitmap(&mut self, object: &Object, bitmap: &Bitmap) -> Result<[u32; 4], SceneError> {
         let first = u32::try_from(self.tables.texels.len())
             .map_err(|_| object.error("all textures together exceed 16 GiB"))?;
         let format = match &bitmap.texels {

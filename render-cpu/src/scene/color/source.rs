@@ -193,7 +193,7 @@ fn sampled(
 }
 
 /// A file with a wavelength in nanometres and a value on each line; `#` starts a comment.
-fn read_samples(path: &Path) -> Result<Vec<(f64, f64)>, SceneError> {
+pub(crate) fn read_samples(path: &Path) -> Result<Vec<(f64, f64)>, SceneError> {
     /// Measured spectra have hundreds of lines.
     const MAX_BYTES: u64 = 16 << 20;
     let text = read_text(path, MAX_BYTES)?;

@@ -8,6 +8,7 @@
 //! What hostile files may cost is bounded: see [`limits`].
 
 mod document;
+mod edit;
 mod element;
 mod elements;
 mod files;
@@ -26,6 +27,7 @@ mod value;
 
 pub(crate) use source::read_text;
 
+pub use edit::NamedValue;
 pub use getters::{ColorSource, FloatSource};
 pub use object::{Child, Object, ObjectKind, Properties, Property};
 pub use value::{Color, Spectrum, Value};
@@ -34,6 +36,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::error::{Diagnostics, SceneError, Warning};
+use super::kept_files::KeptFiles;
 
 /// A scene that was read, and what was noticed meanwhile.
 #[derive(Debug)]
@@ -44,6 +47,8 @@ pub struct ParsedScene {
     pub files: Vec<PathBuf>,
     /// Where warnings go; shared with every object, see [`Object::warn`].
     pub diagnostics: Arc<Diagnostics>,
+    /// What was read from other files; shared with every object.
+    pub kept_files: Arc<KeptFiles>,
 }
 
 impl ParsedScene {
@@ -98,10 +103,12 @@ fn finish(
 ) -> Result<ParsedScene, SceneError> {
     parameters.check_all_used()?;
     let files = document.files.clone();
-    let root = resolve::resolve(document, &diagnostics)?;
+    let kept_files = Arc::new(KeptFiles::default());
+    let root = resolve::resolve(document, &diagnostics, &kept_files)?;
     Ok(ParsedScene {
         root,
         files,
         diagnostics,
+        kept_files,
     })
 }

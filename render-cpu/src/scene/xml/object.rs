@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::value::Value;
 use crate::scene::error::{Diagnostics, Location, SceneError, searched};
+use crate::scene::kept_files::KeptFiles;
 
 /// What an object is in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -209,6 +210,7 @@ pub struct Object {
     pub location: Location,
     pub(super) search_paths: Arc<[PathBuf]>,
     pub(super) diagnostics: Arc<Diagnostics>,
+    pub(super) kept_files: Arc<KeptFiles>,
     pub(super) touched: AtomicBool,
 }
 
@@ -278,6 +280,10 @@ impl Object {
         Ok(first.map(|child| child.object))
     }
 
+    /// What was read from other files.
+    pub fn kept_files(&self) -> &KeptFiles {
+        &self.kept_files
+    }
     /// Where relative file names of this object are sought, in order.
     pub fn search_paths(&self) -> &[PathBuf] {
         &self.search_paths

@@ -10,6 +10,7 @@ use super::limits;
 use super::object::{Object, Properties, Property};
 use super::value::Value;
 use crate::scene::error::{Diagnostics, SceneError, suggestion};
+use crate::scene::kept_files::KeptFiles;
 
 enum State {
     Waiting(RawObject),
@@ -22,17 +23,20 @@ struct Resolver<'a> {
     states: Vec<State>,
     by_id: std::collections::HashMap<String, usize>,
     diagnostics: &'a Arc<Diagnostics>,
+    kept_files: &'a Arc<KeptFiles>,
 }
 
 /// The root of the tree.
 pub fn resolve(
     document: Document,
     diagnostics: &Arc<Diagnostics>,
+    kept_files: &Arc<KeptFiles>,
 ) -> Result<Arc<Object>, SceneError> {
     let mut resolver = Resolver {
         states: document.objects.into_iter().map(State::Waiting).collect(),
         by_id: document.by_id,
         diagnostics,
+        kept_files,
     };
     resolver
         .object(0, 0)?
@@ -99,6 +103,7 @@ impl Resolver<'_> {
             location: raw.location,
             search_paths: raw.search_paths,
             diagnostics: self.diagnostics.clone(),
+            kept_files: self.kept_files.clone(),
             touched: AtomicBool::new(false),
         });
         self.states[index] = State::Done(object.clone());

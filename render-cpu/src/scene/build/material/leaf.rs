@@ -102,8 +102,10 @@ impl Builder {
         let path = object.require_file("filename")?;
         let wrong =
             |what: String| object.property_error("filename", format!("{}: {what}", path.display()));
-        let bytes = read_file(&path, merl::MAX_BYTES).map_err(|error| wrong(error.to_string()))?;
-        let measured = Merl::read(&bytes).map_err(|error| wrong(error.to_string()))?;
+        let measured = object.kept_files().get(&path, 0, || {
+            let bytes = read_file(&path, merl::MAX_BYTES).map_err(|e| wrong(e.to_string()))?;
+            Merl::read(&bytes).map_err(|e| wrong(e.to_string()))
+        })?;
         if measured.cells != merl::DATABASE_CELLS {
             let [h, d, p] = measured.cells;
             object.warn(format!(

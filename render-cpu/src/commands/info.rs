@@ -1,7 +1,7 @@
 //! `halflight info`: what a scene holds before anyone waits for it.
 
-use super::render::sampler_name;
 use super::scene_args::{SceneArgs, build_accel};
+use crate::render::record::sampler_name;
 use crate::scene::build::Scene;
 use clap::Args;
 use halflight_kernel::scene::{camera_kind, emitter_kind, lobe_kind};

@@ -6,19 +6,27 @@
 /// Ends the program with exit code 1 and one line on standard error if the processor lacks instructions that it was
 /// compiled with. To be called first of all.
 pub fn exit_unless_sufficient() {
+    if let Some(message) = insufficiency() {
+        eprintln!("error: {message}");
+        std::process::exit(1);
+    }
+}
+
+/// The sentence about a processor that lacks instructions that the program was compiled with.
+pub fn insufficiency() -> Option<String> {
     #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
     {
         use std::arch::x86_64::__cpuid_count;
         let missing = missing(__cpuid_count(1, 0).ecx, __cpuid_count(7, 0).ebx);
         if !missing.is_empty() {
-            eprintln!(
-                "error: this program was compiled for processors with {}, which this one lacks; compile it with \
+            return Some(format!(
+                "this program was compiled for processors with {}, which this one lacks; compile it with \
                  RUSTFLAGS=-Ctarget-cpu=x86-64 in the environment",
                 missing.join(", ")
-            );
-            std::process::exit(1);
+            ));
         }
     }
+    None
 }
 
 /// What is missing for the third level of x86-64, of the features by which its processors differ from earlier ones, from

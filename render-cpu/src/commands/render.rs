@@ -1,8 +1,7 @@
 //! `halflight render`: a scene file to an EXR and a PNG.
 
 use super::estimator_args::EstimatorArgs;
-use super::render_observer::{Checkpoint, RunObserver};
-pub use super::render_output::sampler_name;
+use super::render_observer::RunObserver;
 use super::render_values::{parse_aov, parse_duration, parse_exposure, parse_range};
 use super::scene_args::{SceneArgs, build_accel};
 use crate::accel::Accel;
@@ -11,7 +10,10 @@ use crate::film::aov::{Aov, AovSet};
 use crate::film::checkpoint::{Settings, load_checkpoint};
 use crate::image::png_output::Exposure;
 use crate::render::progress::ProgressReport;
-use crate::render::{Goal, Observer, Outcome, RenderOptions, RunState, Shape, render, shape};
+use crate::render::record::run_settings;
+use crate::render::{
+    CheckpointFile, Goal, Observer, Outcome, RenderOptions, RunState, Shape, render, shape,
+};
 use crate::scene::build::Scene;
 use clap::Args;
 use std::error::Error;
@@ -160,7 +162,7 @@ pub fn run_with(
     let checkpoint = args.checkpoint.clone().or_else(|| args.resume.clone());
     // Only checkpoints hold them, and the tables of a large scene take a while to read.
     let settings = match checkpoint {
-        Some(_) => args.settings(&scene, &options, aovs)?,
+        Some(_) => run_settings(&args.scene.scene, &scene, &options, aovs),
         None => Settings::new(),
     };
     let (mut film, mut state) = match &args.resume {
@@ -189,7 +191,7 @@ pub fn run_with(
     let mut observer = RunObserver {
         report: ProgressReport::new(options.goal, state, quiet),
         checkpoint: checkpoint
-            .map(|path| Checkpoint::new(path, settings, args.checkpoint_interval, &state)),
+            .map(|path| CheckpointFile::new(path, settings, args.checkpoint_interval, &state)),
     };
     let outcome = render(
         Job {
@@ -263,45 +265,6 @@ impl RenderArgs {
             first_sample,
             adaptive: self.adaptive,
         }
-    }
-
-    /// Everything that decides the numbers of the image; a checkpoint of other settings is refused.
-    fn settings(
-        &self,
-        scene: &Scene,
-        options: &RenderOptions,
-        aovs: AovSet,
-    ) -> Result<Settings, Box<dyn Error + Send + Sync>> {
-        let camera = &scene.tables.camera;
-        let mut settings = Settings::new();
-        let mut set = |name: &str, value: String| settings.insert(name.to_string(), value);
-        set("version", env!("CARGO_PKG_VERSION").to_string());
-        set("scene", self.scene.scene.display().to_string());
-        set("tables", format!("{:016x}", scene.tables.fingerprint()));
-        set("integrator", format!("{:?}", scene.settings));
-        set("sampler", sampler_name(scene.sampler).to_string());
-        set("seed", options.seed.to_string());
-        set("first sample", options.first_sample.to_string());
-        set("adaptive", options.adaptive.to_string());
-        set(
-            "size",
-            format!("{}x{}", camera.film_size[0], camera.film_size[1]),
-        );
-        set(
-            "crop",
-            format!(
-                "{},{},{},{}",
-                camera.crop_offset[0],
-                camera.crop_offset[1],
-                camera.crop_size[0],
-                camera.crop_size[1]
-            ),
-        );
-        set(
-            "layers",
-            aovs.iter().map(Aov::name).collect::<Vec<_>>().join(","),
-        );
-        Ok(settings)
     }
 }
 

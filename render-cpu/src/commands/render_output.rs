@@ -3,11 +3,10 @@
 use super::render::RenderArgs;
 use crate::film::Film;
 use crate::image::exr_output::{LayeredImage, write_exr};
-use crate::image::metadata::{ImageMetadata, SampleRange};
 use crate::image::png_output::write_png;
+use crate::render::record::image_metadata;
 use crate::render::{RenderOptions, RunState};
 use crate::scene::build::Scene;
-use halflight_kernel::sampler::sampler_kind;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -57,26 +56,7 @@ impl RenderArgs {
         options: &RenderOptions,
         state: &RunState,
     ) -> Result<(), Box<dyn Error + Send + Sync>> {
-        let most = film.statistics().iter().map(|p| p.count).max().unwrap_or(0);
-        let metadata = ImageMetadata {
-            scene: self
-                .scene
-                .scene
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
-            integrator: scene.integrator.clone(),
-            sampler: sampler_name(scene.sampler).to_string(),
-            software: concat!("halflight ", env!("CARGO_PKG_VERSION")).to_string(),
-            spp: film.total_samples() as f64 / film.statistics().len() as f64,
-            sample_ranges: vec![SampleRange {
-                seed: options.seed.into(),
-                from: options.first_sample,
-                to: options.first_sample + most,
-            }],
-            render_seconds: state.seconds,
-        };
+        let metadata = image_metadata(&self.scene.scene, scene, film, options, state);
         let image = LayeredImage::from_film(film, scene.tables.camera.film_size, metadata);
         write_exr(output, &image, self.half)?;
         tracing::info!("wrote {}", output.display());
@@ -103,14 +83,5 @@ impl RenderArgs {
             state.samples,
             state.seconds
         );
-    }
-}
-
-/// Name of a sampler in metadata.
-pub fn sampler_name(kind: u32) -> &'static str {
-    if kind == sampler_kind::SOBOL {
-        "sobol"
-    } else {
-        "independent"
     }
 }

@@ -5,15 +5,18 @@
 
 mod backend;
 mod bidirectional_job;
+mod checkpoint_file;
 mod cpu_backend;
 mod options;
 pub mod progress;
+pub mod record;
 pub mod run_loop;
 mod splat;
 mod splatting;
 mod tile_job;
 
 pub use backend::{Backend, PassError};
+pub use checkpoint_file::CheckpointFile;
 pub use cpu_backend::{CpuBackend, Shape, render, render_film, shape};
 pub use options::{Goal, Outcome, RenderOptions, RunState};
 pub use run_loop::{NoObserver, Observer, render_with};

@@ -1,0 +1,72 @@
+//! The file in which a run keeps its state, written now and then and when the run ends.
+
+use super::options::RunState;
+use crate::film::Film;
+use crate::film::checkpoint::{Progress, Settings, save_checkpoint};
+use std::error::Error;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// The file of a run's state.
+#[derive(Debug)]
+pub struct CheckpointFile {
+    path: PathBuf,
+    settings: Settings,
+    saved: Instant,
+    interval: Duration,
+    /// Passes of the state that the file holds.
+    passes: u32,
+}
+
+impl CheckpointFile {
+    /// A file that holds, or will hold, the state of a run.
+    pub fn new(
+        path: PathBuf,
+        settings: Settings,
+        interval: Duration,
+        state: &RunState,
+    ) -> CheckpointFile {
+        CheckpointFile {
+            path,
+            settings,
+            saved: Instant::now(),
+            interval,
+            passes: state.passes,
+        }
+    }
+
+    /// Writes the file, unless it holds this state already.
+    ///
+    /// # Errors
+    /// If the file cannot be written; the previous one is still there then.
+    pub fn save(
+        &mut self,
+        state: &RunState,
+        film: &Film,
+    ) -> Result<(), Box<dyn Error + Send + Sync>> {
+        if self.passes == state.passes {
+            return Ok(());
+        }
+        let progress = Progress {
+            settings: self.settings.clone(),
+            passes: state.passes,
+            next_sample: state.samples,
+            render_seconds: state.seconds,
+        };
+        save_checkpoint(&self.path, &progress, film)?;
+        self.saved = Instant::now();
+        self.passes = state.passes;
+        Ok(())
+    }
+
+    /// Writes the file if the interval is over. A full disk now may be free again at the end: the film in memory is not
+    /// given up for it.
+    pub fn save_if_due(&mut self, state: &RunState, film: &Film) {
+        if self.saved.elapsed() >= self.interval
+            && let Err(error) = self.save(state, film)
+        {
+            tracing::warn!("no checkpoint was saved: {error}");
+            self.saved = Instant::now();
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use halflight::commands::terminal::{self, Verbosity};
-use halflight::commands::{compare, experiment, info, material, merge, processor, render};
+use halflight::commands::{compare, experiment, farm, info, material, merge, processor, render};
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -28,6 +28,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Merge images of the same scene with different samples
     Merge(merge::MergeArgs),
+    /// Render one image as many tasks that share a folder, on a cluster for instance
+    Farm(farm::FarmArgs),
     /// Reproduce a statement of the papers on integrals with known answers
     Experiment(experiment::ExperimentArgs),
 }
@@ -45,6 +47,7 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         Command::Material(args) => material::run(&args, cli.verbosity.quiet),
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),
+        Command::Farm(args) => farm::run(&args, cli.verbosity.quiet),
         Command::Experiment(args) => Ok(experiment::run(&args)?),
     }
 }

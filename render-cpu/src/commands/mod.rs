@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod estimator_args;
 pub mod experiment;
+pub mod farm;
 pub mod info;
 pub mod material;
 pub mod merge;

@@ -1,0 +1,385 @@
+//! What a farm renders, and how it is divided among its tasks.
+//!
+//! Two divisions: by *samples*, task i of N takes the samples `floor(i S / N)` to `floor((i + 1) S / N)` of every pixel, and
+//! all together are those of one run; by *seeds*, each task takes as many samples of a seed of its own, for algorithms whose
+//! samples do not stand for themselves (chains) and for sequences that are better not cut (Sobol').
+//!
+//! The plan holds the settings of the run as a checkpoint does. Every task compares them with those of the scene that it has
+//! loaded: a scene that was edited in between, or another version of the program, is refused.
+
+use super::FarmError;
+use crate::atomic_file::write_atomically;
+use crate::bytes::read_file;
+use crate::film::aov::{Aov, AovSet};
+use crate::film::checkpoint::{Settings, settings_differences};
+use crate::image::metadata::SampleRange;
+use crate::render::record::{FIRST_SAMPLE, SEED, run_settings, sampler_name};
+use crate::render::{Goal, RenderOptions};
+use crate::scene::build::{BuildOptions, Crop, FilmOverride, Scene, build_scene};
+use crate::scene::xml::parse_scene;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Most tasks of a farm.
+pub const MAX_TASKS: u32 = 1 << 20;
+/// Films that a merge takes in, unless told otherwise.
+pub const FAN_IN: u32 = 32;
+/// Longest plan that is read.
+const MAX_PLAN_BYTES: u64 = 16 << 20;
+
+/// How the samples are divided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Division {
+    /// Ranges of the samples of one seed: together those of one run.
+    #[default]
+    Samples,
+    /// A seed for each task.
+    Seeds,
+}
+
+/// A scene file and what is changed about it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PlannedScene {
+    /// The file.
+    pub file: PathBuf,
+    /// Values of `$name`.
+    pub defines: Vec<(String, String)>,
+    /// Size of the image.
+    pub size: Option<[u32; 2]>,
+    /// Width of the image.
+    pub width: Option<u32>,
+    /// Part of the image: left, top, width, height.
+    pub crop: Option<[u32; 4]>,
+    /// Algorithm instead of the scene's.
+    pub integrator: Option<String>,
+    /// Random numbers instead of the scene's.
+    pub sampler: Option<String>,
+    /// Which of several sensors.
+    pub sensor: usize,
+    /// Whether warnings are errors.
+    pub strict: bool,
+}
+
+/// What is asked of a farm beside its scene.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The image.
+    pub output: PathBuf,
+    /// Number of tasks.
+    pub tasks: u32,
+    /// Samples per pixel of the image; otherwise those that the scene asks for.
+    pub spp: Option<u32>,
+    /// Seed; otherwise the scene's.
+    pub seed: Option<u32>,
+    /// How samples are divided.
+    pub division: Division,
+    /// Layers beside the image.
+    pub layers: AovSet,
+    /// Films that a merge takes in.
+    pub fan_in: u32,
+}
+
+/// A farm's plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// The scene.
+    pub scene: PlannedScene,
+    /// The image.
+    pub output: PathBuf,
+    /// Number of tasks.
+    pub tasks: u32,
+    /// Samples per pixel of the image.
+    pub spp: u32,
+    /// Seed, the first of several for a division by seeds.
+    pub seed: u32,
+    /// How samples are divided.
+    pub division: Division,
+    /// Names of the layers.
+    pub layers: Vec<String>,
+    /// Films that a merge takes in.
+    pub fan_in: u32,
+    /// Size of the whole image.
+    pub full_size: [u32; 2],
+    /// Name of the algorithm.
+    pub integrator: String,
+    /// Name of the random numbers.
+    pub sampler: String,
+    /// Settings of task 0.
+    pub settings: Settings,
+}
+
+/// The share of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// Seed.
+    pub seed: u32,
+    /// First sample of every pixel.
+    pub first: u32,
+    /// Samples per pixel.
+    pub count: u32,
+}
+
+impl Share {
+    /// The share as image metadata name it.
+    pub fn range(&self) -> SampleRange {
+        SampleRange {
+            seed: self.seed.into(),
+            from: self.first,
+            to: self.first + self.count,
+        }
+    }
+}
+
+impl PlannedScene {
+    /// Reads the scene and builds its tables.
+    ///
+    /// # Errors
+    /// What is wrong with the scene.
+    pub fn load(&self) -> Result<Scene, FarmError> {
+        let parsed = parse_scene(&self.file, &self.defines, self.strict)?;
+        let options = BuildOptions {
+            film: FilmOverride {
+                size: self.size,
+                width: self.width,
+                crop: self.crop.map(|[x, y, width, height]| Crop {
+                    offset: [x, y],
+                    size: [width, height],
+                }),
+            },
+            integrator: self.integrator.clone(),
+            sampler: self.sampler.clone(),
+            sensor: self.sensor,
+        };
+        Ok(build_scene(&parsed, &options)?)
+    }
+}
+
+impl Plan {
+    /// Plans a farm. Loads the scene once, so that its mistakes show here and not in every task.
+    ///
+    /// # Errors
+    /// What is wrong with the scene; or there are no tasks, more than samples, or too many of either.
+    pub fn new(scene: PlannedScene, request: &Request) -> Result<Plan, FarmError> {
+        let wrong = |what: String| Err(FarmError::Request(what));
+        let built = scene.load()?;
+        let spp = request.spp.unwrap_or(built.spp);
+        let tasks = request.tasks;
+        if tasks == 0 || tasks > MAX_TASKS {
+            return wrong(format!("a farm has 1 to {MAX_TASKS} tasks, not {tasks}"));
+        }
+        if tasks > spp {
+            return wrong(format!(
+                "{tasks} tasks cannot share {spp} samples per pixel; each needs at least one"
+            ));
+        }
+        if request.fan_in < 2 {
+            return wrong("a merge takes in at least 2 films".to_owned());
+        }
+        let seed = request.seed.unwrap_or(built.seed);
+        if request.division == Division::Seeds && seed.checked_add(tasks - 1).is_none() {
+            return wrong(format!(
+                "seeds from {seed} on are not enough for {tasks} tasks"
+            ));
+        }
+        let mut plan = Plan {
+            output: request.output.clone(),
+            tasks,
+            spp,
+            seed,
+            division: request.division,
+            layers: request.layers.iter().map(|a| a.name().to_owned()).collect(),
+            fan_in: request.fan_in,
+            full_size: built.tables.camera.film_size,
+            integrator: built.integrator.clone(),
+            sampler: sampler_name(built.sampler).to_owned(),
+            settings: Settings::new(),
+            scene,
+        };
+        plan.settings = run_settings(
+            &plan.scene.file,
+            &built,
+            &plan.options(plan.share(0)),
+            plan.aovs()?,
+        );
+        Ok(plan)
+    }
+
+    /// The share of a task.
+    pub fn share(&self, task: u32) -> Share {
+        let cut = |i: u32| (u64::from(i) * u64::from(self.spp) / u64::from(self.tasks)) as u32;
+        let (from, to) = (cut(task), cut(task + 1));
+        match self.division {
+            Division::Samples => Share {
+                seed: self.seed,
+                first: from,
+                count: to - from,
+            },
+            Division::Seeds => Share {
+                seed: self.seed + task,
+                first: 0,
+                count: to - from,
+            },
+        }
+    }
+
+    /// The samples of all tasks together, as image metadata name them.
+    pub fn ranges(&self) -> Vec<SampleRange> {
+        match self.division {
+            Division::Samples => vec![SampleRange {
+                seed: self.seed.into(),
+                from: 0,
+                to: self.spp,
+            }],
+            Division::Seeds => (0..self.tasks).map(|i| self.share(i).range()).collect(),
+        }
+    }
+
+    /// How a share is rendered.
+    pub fn options(&self, share: Share) -> RenderOptions {
+        RenderOptions {
+            goal: Goal::Samples(share.count),
+            seed: share.seed,
+            first_sample: share.first,
+            adaptive: false,
+        }
+    }
+
+    /// The settings in the checkpoint of a share.
+    pub fn settings_of(&self, share: Share) -> Settings {
+        let mut settings = self.settings.clone();
+        settings.insert(SEED.to_owned(), share.seed.to_string());
+        settings.insert(FIRST_SAMPLE.to_owned(), share.first.to_string());
+        settings
+    }
+
+    /// The layers.
+    ///
+    /// # Errors
+    /// When the plan names one that is not known.
+    pub fn aovs(&self) -> Result<AovSet, FarmError> {
+        let parsed: Result<AovSet, _> =
+            self.layers.iter().map(|name| name.parse::<Aov>()).collect();
+        let aovs = parsed.map_err(|e| FarmError::Request(e.to_string()))?;
+        Ok(aovs.with(Aov::Samples))
+    }
+
+    /// Makes sure that a scene is the one that was planned.
+    ///
+    /// # Errors
+    /// What differs.
+    pub fn check(&self, scene: &Scene) -> Result<(), FarmError> {
+        let options = self.options(self.share(0));
+        let found = run_settings(&self.scene.file, scene, &options, self.aovs()?);
+        let differences = settings_differences(&self.settings, &found);
+        if differences.is_empty() {
+            Ok(())
+        } else {
+            Err(FarmError::OtherScene { differences })
+        }
+    }
+
+    /// How many films each level of the merge has: tasks first, the image last.
+    pub fn levels(&self) -> Vec<u32> {
+        let mut levels = vec![self.tasks];
+        while let Some(&last) = levels.last()
+            && (last > 1 || levels.len() == 1)
+        {
+            levels.push(last.div_ceil(self.fan_in));
+        }
+        levels
+    }
+}
+
+/// A farm's folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    /// The folder of an image, unless another is named: `out.farm` for `out.exr`.
+    pub fn of_output(output: &Path) -> Folder {
+        Folder(output.with_extension("farm"))
+    }
+
+    /// Writes a plan into a new folder.
+    ///
+    /// # Errors
+    /// When the folder holds another plan already, or cannot be written.
+    pub fn create(&self, plan: &Plan) -> Result<(), FarmError> {
+        let io = |file: &Path| {
+            let file = file.to_owned();
+            move |source| FarmError::Io { file, source }
+        };
+        if self.plan_file().exists() {
+            let old = self.plan()?;
+            if old != *plan {
+                return Err(FarmError::Request(format!(
+                    "{} holds a farm with another plan; remove the folder, or name another with --folder",
+                    self.0.display()
+                )));
+            }
+        }
+        for (level, _) in plan.levels().iter().enumerate() {
+            let folder = self.level(level);
+            std::fs::create_dir_all(&folder).map_err(io(&folder))?;
+        }
+        let log = self.log();
+        std::fs::create_dir_all(&log).map_err(io(&log))?;
+        let text = serde_json::to_string_pretty(plan).map_err(|e| FarmError::Malformed {
+            file: self.plan_file(),
+            what: e.to_string(),
+        })?;
+        write_atomically(&self.plan_file(), |file| file.write_all(text.as_bytes()))?;
+        Ok(())
+    }
+
+    /// Reads the plan.
+    ///
+    /// # Errors
+    /// When there is none, or it is none of this program's.
+    pub fn plan(&self) -> Result<Plan, FarmError> {
+        let file = self.plan_file();
+        let bytes = read_file(&file, MAX_PLAN_BYTES).map_err(|source| FarmError::Io {
+            file: file.clone(),
+            source,
+        })?;
+        let malformed = |what: String| FarmError::Malformed {
+            file: file.clone(),
+            what,
+        };
+        let plan: Plan = serde_json::from_slice(&bytes)
+            .map_err(|e| malformed(format!("this is no plan of a farm: {e}")))?;
+        let is_sound = (1..=MAX_TASKS).contains(&plan.tasks)
+            && plan.tasks <= plan.spp
+            && plan.fan_in >= 2
+            && (plan.division == Division::Samples || plan.seed.checked_add(plan.tasks).is_some());
+        if is_sound {
+            Ok(plan)
+        } else {
+            Err(malformed("the plan contradicts itself".to_owned()))
+        }
+    }
+
+    fn plan_file(&self) -> PathBuf {
+        self.0.join("plan.json")
+    }
+
+    /// Where films of a level are: 0 for tasks.
+    pub fn level(&self, level: usize) -> PathBuf {
+        match level {
+            0 => self.0.join("tasks"),
+            level => self.0.join(format!("merge-{level}")),
+        }
+    }
+
+    /// A film of a level.
+    pub fn film(&self, level: usize, index: u32) -> PathBuf {
+        self.level(level).join(format!("{index:06}.checkpoint"))
+    }
+
+    /// What processes say.
+    pub fn log(&self) -> PathBuf {
+        self.0.join("log")
+    }
+}

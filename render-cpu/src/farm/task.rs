@@ -1,0 +1,135 @@
+//! One task: its share of the samples into its checkpoint, however often it is killed and started again.
+//!
+//! What is there decides where it begins: nothing to do where a record says that the share is done and the bytes agree; from
+//! the checkpoint where there is a sound one; else from the start. A checkpoint that is damaged, or a finished film that is
+//! not what its record says, is removed: its samples are a function of scene, seed and index, so nothing is lost but time.
+
+use super::FarmError;
+use super::plan::{Folder, Plan};
+use super::record::{Record, record_file};
+use crate::accel::Accel;
+use crate::film::Film;
+use crate::film::checkpoint::{CheckpointError, load_checkpoint};
+use crate::render::{CheckpointFile, Observer, Outcome, PassError, RunState, render};
+use std::io;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// What a task has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TaskOutcome {
+    /// It is rendered.
+    Done,
+    /// It had been rendered before.
+    AlreadyDone,
+    /// It was asked to stop; its checkpoint holds what there is.
+    Interrupted,
+}
+
+/// Saves checkpoints between passes.
+struct Saving {
+    checkpoint: CheckpointFile,
+}
+
+impl Observer for Saving {
+    fn after_pass(&mut self, state: &RunState, film: &Film) -> Result<(), PassError> {
+        self.checkpoint.save_if_due(state, film);
+        Ok(())
+    }
+}
+
+/// Renders a task to its end, or until `stop` is set; a checkpoint is saved every `interval`.
+///
+/// # Errors
+/// When the plan has no such task, the scene is not the planned one, or the checkpoint cannot be written.
+pub fn run_task(
+    folder: &Folder,
+    plan: &Plan,
+    index: u32,
+    interval: Duration,
+    stop: &AtomicBool,
+) -> Result<TaskOutcome, FarmError> {
+    if index >= plan.tasks {
+        return Err(FarmError::Request(format!(
+            "the farm has {} tasks, from 0 on; there is no task {index}",
+            plan.tasks
+        )));
+    }
+    let path = folder.film(0, index);
+    if let Some(record) = Record::read(&path)? {
+        if record.is_of(&path)? {
+            return Ok(TaskOutcome::AlreadyDone);
+        }
+        tracing::warn!("{} is torn; it is rendered again", path.display());
+        remove(&path)?;
+        remove(&record_file(&path))?;
+    }
+    let share = plan.share(index);
+    let settings = plan.settings_of(share);
+    let scene = plan.scene.load()?;
+    plan.check(&scene)?;
+    let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+    let (mut film, mut state) = match load_checkpoint(&path, &settings) {
+        Ok((progress, film)) => {
+            let state = RunState {
+                passes: progress.passes,
+                samples: progress.next_sample,
+                seconds: progress.render_seconds,
+            };
+            tracing::info!("resumed after {} samples per pixel", state.samples);
+            (film, state)
+        }
+        Err(CheckpointError::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+            start(plan, &scene)?
+        }
+        Err(CheckpointError::Malformed { file, what }) => {
+            tracing::warn!("{}: {what}; it is rendered again", file.display());
+            remove(&path)?;
+            start(plan, &scene)?
+        }
+        Err(other) => return Err(other.into()),
+    };
+    let mut observer = Saving {
+        checkpoint: CheckpointFile::new(path.clone(), settings, interval, &state),
+    };
+    let outcome = render(
+        &scene,
+        &accel,
+        &plan.options(share),
+        &mut film,
+        &mut state,
+        stop,
+        &mut observer,
+    );
+    observer
+        .checkpoint
+        .save(&state, &film)
+        .map_err(FarmError::Render)?;
+    match outcome.map_err(FarmError::Render)? {
+        Outcome::Interrupted => Ok(TaskOutcome::Interrupted),
+        Outcome::Finished => {
+            Record::write(&path, state.samples, state.seconds, Vec::new())?;
+            Ok(TaskOutcome::Done)
+        }
+    }
+}
+
+/// A film without samples.
+fn start(plan: &Plan, scene: &crate::scene::build::Scene) -> Result<(Film, RunState), FarmError> {
+    let camera = &scene.tables.camera;
+    let [width, height] = camera.crop_size;
+    let film = Film::new(width, height, camera.crop_offset, plan.aovs()?)?;
+    Ok((film, RunState::default()))
+}
+
+/// Removes a file that may be gone already.
+fn remove(path: &Path) -> Result<(), FarmError> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(FarmError::Io {
+            file: path.to_owned(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}

@@ -202,6 +202,71 @@ pub(crate) mod plain {
     }
 }
 
+/// Value without a cosine and the densities both ways of a plain lobe whose value does not depend on which of the two
+/// directions is known; `is_valid` is false for other lobes.
+#[inline]
+pub(super) fn eval_pdf_both(lobe: &Lobe, wi: Vec3, wo: Vec3) -> BothWays {
+    let kind = lobe.kind;
+    if !is_plain(lobe) || !(kind == lobe_kind::DIFFUSE || kind == lobe_kind::ROUGH_CONDUCTOR) {
+        return BothWays {
+            is_valid: false,
+            ..BothWays::ZERO
+        };
+    }
+    if !is_active(lobe.flags, wi) || !(wi.z * wo.z > 0.0) {
+        return BothWays::ZERO;
+    }
+    let flip = is_flipped(lobe, wi);
+    let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+    let (value, pdf, pdf_reverse) = if kind == lobe_kind::DIFFUSE {
+        (
+            super::diffuse::eval(lobe, wi, wo),
+            super::diffuse::pdf(lobe, wi, wo),
+            super::diffuse::pdf(lobe, wo, wi),
+        )
+    } else {
+        super::rough_conductor::eval_pdf_both(lobe, wi, wo)
+    };
+    BothWays {
+        value,
+        pdf,
+        pdf_reverse,
+        is_valid: true,
+    }
+}
+
+/// See [`eval_pdf_both`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BothWays {
+    pub value: Rgb,
+    pub pdf: f32,
+    pub pdf_reverse: f32,
+    pub is_valid: bool,
+}
+
+impl BothWays {
+    const ZERO: BothWays = BothWays {
+        value: Vec3::ZERO,
+        pdf: 0.0,
+        pdf_reverse: 0.0,
+        is_valid: true,
+    };
+}
+
+/// Whether light that the lobe scatters along a direction with a density stays on its side.
+#[inline]
+pub(super) fn is_opaque(kind: u32) -> bool {
+    kind == lobe_kind::DIFFUSE
+        || kind == lobe_kind::ROUGH_DIFFUSE
+        || kind == lobe_kind::ROUGH_CONDUCTOR
+        || kind == lobe_kind::DIFFRACTING_CONDUCTOR
+        || kind == lobe_kind::PLASTIC
+        || kind == lobe_kind::ROUGH_PLASTIC
+        || kind == lobe_kind::ROUGH_COAT
+        || kind == lobe_kind::MERL
+        || is_delta(kind)
+}
+
 /// A direction in the surface's local frame with weight f |cos| / pdf.
 #[inline]
 pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {

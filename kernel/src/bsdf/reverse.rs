@@ -9,11 +9,74 @@
 //! Invariant (tests): value and density are those of [`Bsdf::eval_cosine_pdf`] of the material looked up for wo.
 
 use super::{Bsdf, lobe};
-use crate::math::Rgb;
+use crate::math::{Rgb, float};
 use crate::scene::{SurfacePoint, Tables, lobe_flag, lobe_kind};
 use glam::Vec3;
 
+/// Value and densities between two directions.
+#[derive(Clone, Copy, Debug)]
+pub struct BothWays {
+    /// f(wi, wo) |cos wo|, or f(wo, wi) |cos wi|.
+    pub value: Rgb,
+    /// Density of sampling wo where wi is known.
+    pub pdf: f32,
+    /// Density of sampling wi where wo is known.
+    pub pdf_reverse: f32,
+}
+
 impl Bsdf {
+    /// Densities both ways and f(wi, wo) |cos wo|, or f(wo, wi) |cos wi| if `is_exchanged`, of a material looked up for wi in
+    /// the mode of radiance, in one pass where the model allows it. Densities mean nothing where the value is zero.
+    pub fn eval_cosine_pdf_both(
+        &self,
+        tables: &Tables<'_>,
+        point: &SurfacePoint,
+        wi: Vec3,
+        wo: Vec3,
+        is_exchanged: bool,
+    ) -> BothWays {
+        if self.lobe_count() == 1 {
+            let only = self.lobe_at(0);
+            let both = lobe::eval_pdf_both(only, wi, wo);
+            if both.is_valid {
+                let cosine = float::abs(if is_exchanged { wi.z } else { wo.z });
+                return BothWays {
+                    value: both.value * (only.weight * cosine),
+                    pdf: both.pdf,
+                    pdf_reverse: both.pdf_reverse,
+                };
+            }
+        }
+        let mut both = BothWays {
+            value: Vec3::ZERO,
+            pdf: 0.0,
+            pdf_reverse: 0.0,
+        };
+        if is_exchanged {
+            (both.value, both.pdf_reverse) = self.eval_cosine_pdf_reverse(tables, point, wi, wo);
+            if both.value.max_element() > 0.0 {
+                both.pdf = self.pdf(tables.data, wi, wo);
+            }
+        } else {
+            (both.value, both.pdf) = self.eval_cosine_pdf(tables.data, wi, wo);
+            if both.value.max_element() > 0.0 {
+                both.pdf_reverse = self.pdf_reverse(tables, point, wi, wo);
+            }
+        }
+        both
+    }
+
+    /// Whether light that is scattered along a direction with a density stays on the side from which it came.
+    #[inline]
+    pub fn is_opaque(&self) -> bool {
+        for i in 0..self.lobe_count() {
+            if !lobe::is_opaque(self.lobe_at(i).kind) {
+                return false;
+            }
+        }
+        true
+    }
+
     /// f(wo, wi) |cos wi| and the density of sampling wi where wo is known, of a material looked up for wi in the mode of
     /// radiance; the discrete parts are in neither.
     pub fn eval_cosine_pdf_reverse(

@@ -44,6 +44,27 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     pdf_of_normal(lobe, wi, m) * solid_angle_of_reflection(cos_i)
 }
 
+/// [`eval`], which is the same for exchanged directions, and the [`pdf`] of wo for wi and of wi for wo, all of one look at
+/// the distribution.
+#[inline]
+pub fn eval_pdf_both(lobe: &Lobe, wi: Vec3, wo: Vec3) -> (Rgb, f32, f32) {
+    let facets = lobe.microfacets();
+    if lobe.samples_all_normals() || !facets.has_smith_normals() {
+        return (eval(lobe, wi, wo), pdf(lobe, wi, wo), pdf(lobe, wo, wi));
+    }
+    let m = (wi + wo).normalize_or_zero();
+    let cos_i = wi.dot(m);
+    if wi.z <= 0.0 || wo.z <= 0.0 || cos_i <= 0.0 {
+        return (Rgb::ZERO, 0.0, 0.0);
+    }
+    // Visible normals have the density D cos / A, and the reflection 1 / (4 cos) of that.
+    let d = 0.25 * facets.distribution(m);
+    let (area_i, area_o) = (facets.projected_area(wi), facets.projected_area(wo));
+    let fresnel = fresnel_conductor(cos_i, lobe.eta, lobe.k);
+    let f = lobe.specular_reflectance * fresnel * (d / (area_i * area_o));
+    (f, d / area_i, d / area_o)
+}
+
 /// The reflection at a sampled microfacet normal `m`.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]

@@ -82,25 +82,35 @@ impl<'a> Interaction<'a> {
         if !rules.allows(point, direction, wo.z) {
             return Evaluation::NONE;
         }
-        if transport_mode == mode::RADIANCE {
-            let (value, pdf) = self.bsdf.eval_cosine_pdf(tables.data, wi, wo);
-            if value.max_element() <= 0.0 {
-                return Evaluation::NONE;
-            }
-            return Evaluation {
-                value,
-                pdf,
-                pdf_reverse: self.bsdf.pdf_reverse(tables, point, wi, wo),
-            };
-        }
-        let (value, pdf_reverse) = self.bsdf.eval_cosine_pdf_reverse(tables, point, wi, wo);
-        if value.max_element() <= 0.0 {
+        let is_light_walk = transport_mode == mode::IMPORTANCE;
+        let both = self
+            .bsdf
+            .eval_cosine_pdf_both(tables, point, wi, wo, is_light_walk);
+        if both.value.max_element() <= 0.0 {
             return Evaluation::NONE;
         }
+        let ratio = if is_light_walk {
+            self.adjoint_ratio(direction)
+        } else {
+            1.0
+        };
         Evaluation {
-            value: value * self.adjoint_ratio(direction),
-            pdf: self.bsdf.pdf(tables.data, wi, wo),
-            pdf_reverse,
+            value: both.value * ratio,
+            pdf: both.pdf,
+            pdf_reverse: both.pdf_reverse,
+        }
+    }
+
+    /// The shading normal on the side from which the walk came, where nothing passes the surface; zero where something may.
+    /// Nothing is scattered along directions that turn away from it.
+    #[inline]
+    pub fn facing(&self) -> Vec3 {
+        if !self.bsdf.is_opaque() {
+            Vec3::ZERO
+        } else if self.wi.z > 0.0 {
+            self.point.frame.n
+        } else {
+            -self.point.frame.n
         }
     }
 

@@ -75,6 +75,10 @@ pub struct PathVertex {
     pub depth: u32,
     /// The connectable vertex before it on the same subpath, as the owner of the vertices counts them; [`NONE`] for none.
     pub previous: u32,
+    /// The surface point's position.
+    pub position: [f32; 3],
+    /// Its shading normal, on the side from which the walk came, where no light passes the surface; zero where some may.
+    pub facing: [f32; 3],
 }
 
 impl PathVertex {
@@ -236,8 +240,10 @@ impl Walk {
 
     /// The vertex at which it has arrived.
     #[inline]
-    pub fn vertex(&self, hit: &Hit, previous: u32) -> PathVertex {
+    pub fn vertex(&self, hit: &Hit, at: &Interaction<'_>, previous: u32) -> PathVertex {
         PathVertex {
+            position: at.point.position.to_array(),
+            facing: at.facing().to_array(),
             origin: self.ray.origin.to_array(),
             direction: self.ray.direction.to_array(),
             hit: *hit,
@@ -293,16 +299,19 @@ impl Walk {
         let factor = if sample.event & event::DELTA != 0 {
             self.weights = self.arrived.scatter_delta(h, cosine);
             sample.weight * self.delta_factor(tables, at, &sample, chosen, direction)
-        } else if self.mode == mode::RADIANCE {
-            let reverse = at.bsdf.pdf_reverse(tables, point, at.wi, sample.wo);
-            self.weights = self.arrived.scatter(h, sample.pdf, reverse, cosine);
-            sample.weight
         } else {
-            let (value, reverse) = at
+            let is_light_walk = self.mode == mode::IMPORTANCE;
+            let both = at
                 .bsdf
-                .eval_cosine_pdf_reverse(tables, point, at.wi, sample.wo);
-            self.weights = self.arrived.scatter(h, sample.pdf, reverse, cosine);
-            value * (at.adjoint_ratio(direction) / sample.pdf)
+                .eval_cosine_pdf_both(tables, point, at.wi, sample.wo, is_light_walk);
+            self.weights = self
+                .arrived
+                .scatter(h, sample.pdf, both.pdf_reverse, cosine);
+            if is_light_walk {
+                both.value * (at.adjoint_ratio(direction) / sample.pdf)
+            } else {
+                sample.weight
+            }
         };
         self.throughput *= factor;
         if !(self.throughput.max_element() > 0.0) || !self.throughput.is_finite() {

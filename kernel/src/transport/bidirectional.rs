@@ -17,7 +17,7 @@
 
 use super::settings::{IntegratorSettings, integrator_kind};
 use crate::bsdf::{Bsdf, mode};
-use crate::math::{Ray, Rgb};
+use crate::math::{Ray, Rgb, vec3};
 use crate::path::rules::step;
 use crate::path::visibility::contribution_transmittance;
 use crate::path::{
@@ -140,7 +140,7 @@ impl<'a> Bidirectional<'a> {
                 }
             }
             if self.has_camera_walks {
-                *last = store.push(&walk.vertex(hit, *last));
+                *last = store.push(&walk.vertex(hit, &at, *last));
                 if *last == NONE {
                     return step::END;
                 }
@@ -197,6 +197,7 @@ impl<'a> Bidirectional<'a> {
             if lit.is_some() {
                 add(lit);
             }
+            let facing = at.facing();
             let mut index = last;
             while index != NONE {
                 let vertex = store.get(index);
@@ -206,8 +207,13 @@ impl<'a> Bidirectional<'a> {
                 {
                     continue;
                 }
+                // Cheap tests first: most pairs do not see each other.
+                let between = vec3(vertex.position) - point.position;
+                if facing.dot(between) < 0.0 || vec3(vertex.facing).dot(between) > 0.0 {
+                    continue;
+                }
                 let light_point = vertex.point(tables);
-                let from = crate::math::vec3(vertex.direction);
+                let from = vec3(vertex.direction);
                 let light_wi = light_point.frame.to_local(-from);
                 light_bsdf.look_up(tables, &light_point, light_wi, mode::RADIANCE);
                 let end = LightEnd::new(&vertex, Interaction::new(&light_point, light_bsdf, from));

@@ -1,7 +1,8 @@
 //! Thousands of tasks merge in the memory of a few films.
 
+use halflight::farm::folder::Folder;
 use halflight::farm::merge::merge_all;
-use halflight::farm::plan::{Division, Folder, Plan, PlannedScene, Request};
+use halflight::farm::plan::{Division, Plan, PlannedScene, Request};
 use halflight::farm::record::{Record, record_file};
 use halflight::film::Film;
 use halflight::film::aov::AovSet;

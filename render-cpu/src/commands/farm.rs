@@ -3,8 +3,9 @@
 use super::render_values::{parse_aov, parse_duration};
 use super::scene_args::SceneArgs;
 use crate::farm::FarmError;
+use crate::farm::folder::Folder;
 use crate::farm::merge::{merge_all, merge_node};
-use crate::farm::plan::{Division, FAN_IN, Folder, Plan, PlannedScene, Request};
+use crate::farm::plan::{Division, FAN_IN, Plan, PlannedScene, Request};
 use crate::farm::slurm::{self, EXIT_AGAIN, SlurmOptions};
 use crate::farm::status::{Status, TaskState, ranges};
 use crate::farm::task::{TaskOutcome, run_task};
@@ -60,7 +61,7 @@ struct PlanArgs {
     /// Seed of the random numbers. Default: the scene's, or 0.
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
-    /// Give each task samples of the one seed, or a seed of its own.
+    /// Give each task samples of all pixels, all samples of some pixels, or a seed of its own.
     #[arg(long, value_enum, default_value_t)]
     divide: Division,
     /// Layers to write beside the image: albedo, normal, depth, position, uv, variance, samples.

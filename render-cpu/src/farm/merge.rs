@@ -11,7 +11,8 @@
 //! ancestors are. The shape of the tree depends on the plan alone, and so does the image, to the last bit.
 
 use super::FarmError;
-use super::plan::{Folder, Plan};
+use super::folder::Folder;
+use super::plan::Plan;
 use super::record::Record;
 use crate::film::Film;
 use crate::film::checkpoint::{Progress, save_checkpoint};

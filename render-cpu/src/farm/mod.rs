@@ -16,9 +16,14 @@
 //! Schedulers are other people's: [`slurm`] writes the scripts of one; whatever can start `halflight farm task FOLDER N` for
 //! N from 0 on serves as well.
 //!
+//! What tasks find is a function of their samples alone, and so is a film that is merged in a fixed order. Beside one process
+//! with the same samples: divided by pixels, the image is its image to the last bit; divided by samples, a pixel's running
+//! mean (f64) is that of other partial sums, a few parts in 1e16 away, which shows where it decides how a value rounds to f32.
+//!
 //! Invariants (tests): an image does not change with kills, restarts and torn files; a task that is done is not rendered
 //! again; what is torn is found by its digest.
 
+pub mod folder;
 pub mod merge;
 pub mod plan;
 pub mod record;

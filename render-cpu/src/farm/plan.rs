@@ -1,32 +1,33 @@
 //! What a farm renders, and how it is divided among its tasks.
 //!
-//! Two divisions: by *samples*, task i of N takes the samples `floor(i S / N)` to `floor((i + 1) S / N)` of every pixel, and
-//! all together are those of one run; by *seeds*, each task takes as many samples of a seed of its own, for algorithms whose
-//! samples do not stand for themselves (chains) and for sequences that are better not cut (Sobol').
+//! Three divisions:
+//! - by *samples*, task i of N takes the samples `floor(i S / N)` to `floor((i + 1) S / N)` of every pixel. All together are
+//!   those of one run; means of its film round differently in the last bits of f64, see [`super`];
+//! - by *pixels*, task i takes all samples of the tiles i, i + N, i + 2 N ..., so that no pixel's samples are ever summed in
+//!   two places, and the image is that of one run to the last bit. Not for algorithms whose samples splat on other pixels;
+//! - by *seeds*, each task takes as many samples of a seed of its own, for algorithms whose samples do not stand for
+//!   themselves (chains) and for sequences that are better not cut (Sobol').
 //!
 //! The plan holds the settings of the run as a checkpoint does. Every task compares them with those of the scene that it has
 //! loaded: a scene that was edited in between, or another version of the program, is refused.
 
 use super::FarmError;
-use crate::atomic_file::write_atomically;
-use crate::bytes::read_file;
 use crate::film::aov::{Aov, AovSet};
 use crate::film::checkpoint::{Settings, settings_differences};
 use crate::image::metadata::SampleRange;
 use crate::render::record::{FIRST_SAMPLE, SEED, run_settings, sampler_name};
-use crate::render::{Goal, RenderOptions};
+use crate::render::{Goal, RenderOptions, Shape, shape};
 use crate::scene::build::{BuildOptions, Crop, FilmOverride, Scene, build_scene};
 use crate::scene::xml::parse_scene;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Most tasks of a farm.
 pub const MAX_TASKS: u32 = 1 << 20;
 /// Films that a merge takes in, unless told otherwise.
 pub const FAN_IN: u32 = 32;
-/// Longest plan that is read.
-const MAX_PLAN_BYTES: u64 = 16 << 20;
+/// Side of the squares of pixels that a division by pixels hands out in turn, so that each task has some of every region.
+const TILE: u32 = 16;
 
 /// How the samples are divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -35,6 +36,8 @@ pub enum Division {
     /// Ranges of the samples of one seed: together those of one run.
     #[default]
     Samples,
+    /// Tiles of the image.
+    Pixels,
     /// A seed for each task.
     Seeds,
 }
@@ -169,7 +172,7 @@ impl Plan {
         if tasks == 0 || tasks > MAX_TASKS {
             return wrong(format!("a farm has 1 to {MAX_TASKS} tasks, not {tasks}"));
         }
-        if tasks > spp {
+        if tasks > spp && request.division != Division::Pixels {
             return wrong(format!(
                 "{tasks} tasks cannot share {spp} samples per pixel; each needs at least one"
             ));
@@ -182,6 +185,21 @@ impl Plan {
             return wrong(format!(
                 "seeds from {seed} on are not enough for {tasks} tasks"
             ));
+        }
+        if request.division == Division::Pixels {
+            if shape(built.settings.kind) == Shape::Splats {
+                return wrong(format!(
+                    "samples of {} add light to all pixels; divide them by samples or seeds",
+                    built.integrator
+                ));
+            }
+            let [width, height] = built.tables.camera.crop_size;
+            let tiles = width.div_ceil(TILE) * height.div_ceil(TILE);
+            if tasks > tiles {
+                return wrong(format!(
+                    "{tasks} tasks cannot share {tiles} tiles of {TILE} x {TILE} pixels"
+                ));
+            }
         }
         let mut plan = Plan {
             output: request.output.clone(),
@@ -206,6 +224,15 @@ impl Plan {
         Ok(plan)
     }
 
+    /// Whether the numbers of a plan that was read fit together.
+    pub(super) fn is_sound(&self) -> bool {
+        (1..=MAX_TASKS).contains(&self.tasks)
+            && self.spp > 0
+            && (self.tasks <= self.spp || self.division == Division::Pixels)
+            && self.fan_in >= 2
+            && (self.division != Division::Seeds || self.seed.checked_add(self.tasks).is_some())
+    }
+
     /// The share of a task.
     pub fn share(&self, task: u32) -> Share {
         let cut = |i: u32| (u64::from(i) * u64::from(self.spp) / u64::from(self.tasks)) as u32;
@@ -216,6 +243,11 @@ impl Plan {
                 first: from,
                 count: to - from,
             },
+            Division::Pixels => Share {
+                seed: self.seed,
+                first: 0,
+                count: self.spp,
+            },
             Division::Seeds => Share {
                 seed: self.seed + task,
                 first: 0,
@@ -224,10 +256,21 @@ impl Plan {
         }
     }
 
+    /// Whether a pixel of the film is a task's.
+    pub fn has_pixel(&self, task: u32, x: u32, y: u32, width: u32) -> bool {
+        match self.division {
+            Division::Samples | Division::Seeds => true,
+            Division::Pixels => {
+                let tile = y / TILE * width.div_ceil(TILE) + x / TILE;
+                tile % self.tasks == task
+            }
+        }
+    }
+
     /// The samples of all tasks together, as image metadata name them.
     pub fn ranges(&self) -> Vec<SampleRange> {
         match self.division {
-            Division::Samples => vec![SampleRange {
+            Division::Samples | Division::Pixels => vec![SampleRange {
                 seed: self.seed.into(),
                 from: 0,
                 to: self.spp,
@@ -289,97 +332,5 @@ impl Plan {
             levels.push(last.div_ceil(self.fan_in));
         }
         levels
-    }
-}
-
-/// A farm's folder.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Folder(pub PathBuf);
-
-impl Folder {
-    /// The folder of an image, unless another is named: `out.farm` for `out.exr`.
-    pub fn of_output(output: &Path) -> Folder {
-        Folder(output.with_extension("farm"))
-    }
-
-    /// Writes a plan into a new folder.
-    ///
-    /// # Errors
-    /// When the folder holds another plan already, or cannot be written.
-    pub fn create(&self, plan: &Plan) -> Result<(), FarmError> {
-        let io = |file: &Path| {
-            let file = file.to_owned();
-            move |source| FarmError::Io { file, source }
-        };
-        if self.plan_file().exists() {
-            let old = self.plan()?;
-            if old != *plan {
-                return Err(FarmError::Request(format!(
-                    "{} holds a farm with another plan; remove the folder, or name another with --folder",
-                    self.0.display()
-                )));
-            }
-        }
-        for (level, _) in plan.levels().iter().enumerate() {
-            let folder = self.level(level);
-            std::fs::create_dir_all(&folder).map_err(io(&folder))?;
-        }
-        let log = self.log();
-        std::fs::create_dir_all(&log).map_err(io(&log))?;
-        let text = serde_json::to_string_pretty(plan).map_err(|e| FarmError::Malformed {
-            file: self.plan_file(),
-            what: e.to_string(),
-        })?;
-        write_atomically(&self.plan_file(), |file| file.write_all(text.as_bytes()))?;
-        Ok(())
-    }
-
-    /// Reads the plan.
-    ///
-    /// # Errors
-    /// When there is none, or it is none of this program's.
-    pub fn plan(&self) -> Result<Plan, FarmError> {
-        let file = self.plan_file();
-        let bytes = read_file(&file, MAX_PLAN_BYTES).map_err(|source| FarmError::Io {
-            file: file.clone(),
-            source,
-        })?;
-        let malformed = |what: String| FarmError::Malformed {
-            file: file.clone(),
-            what,
-        };
-        let plan: Plan = serde_json::from_slice(&bytes)
-            .map_err(|e| malformed(format!("this is no plan of a farm: {e}")))?;
-        let is_sound = (1..=MAX_TASKS).contains(&plan.tasks)
-            && plan.tasks <= plan.spp
-            && plan.fan_in >= 2
-            && (plan.division == Division::Samples || plan.seed.checked_add(plan.tasks).is_some());
-        if is_sound {
-            Ok(plan)
-        } else {
-            Err(malformed("the plan contradicts itself".to_owned()))
-        }
-    }
-
-    fn plan_file(&self) -> PathBuf {
-        self.0.join("plan.json")
-    }
-
-    /// Where films of a level are: 0 for tasks.
-    pub fn level(&self, level: usize) -> PathBuf {
-        match level {
-            0 => self.0.join("tasks"),
-            level => self.0.join(format!("merge-{level}")),
-        }
-    }
-
-    /// A film of a level.
-    pub fn film(&self, level: usize, index: u32) -> PathBuf {
-        self.level(level).join(format!("{index:06}.checkpoint"))
-    }
-
-    /// What processes say.
-    pub fn log(&self) -> PathBuf {
-        self.0.join("log")
     }
 }

@@ -14,7 +14,8 @@
 //! Slurm's arrays end at `MaxArraySize`, 1001 by default: larger farms are several arrays.
 
 use super::FarmError;
-use super::plan::{Folder, Plan};
+use super::folder::Folder;
+use super::plan::Plan;
 use super::status::ranges;
 use crate::atomic_file::write_atomically;
 use std::fmt::Write as _;
@@ -76,6 +77,7 @@ fn render_script(folder: &Folder, options: &SlurmOptions) -> String {
         text,
         r#"
 task=$(($1 + SLURM_ARRAY_TASK_ID))
+echo "task $task on $(hostname), restart ${{SLURM_RESTART_COUNT:-0}}"
 child=
 # The signal before the time limit comes to this shell.
 trap '[ -n "$child" ] && kill -TERM "$child"' TERM

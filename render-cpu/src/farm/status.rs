@@ -1,7 +1,8 @@
 //! What of a farm is there: which tasks are done, under way, missing or torn.
 
 use super::FarmError;
-use super::plan::{Folder, Plan};
+use super::folder::Folder;
+use super::plan::Plan;
 use super::record::Record;
 use crate::film::checkpoint::{CheckpointError, read_checkpoint};
 use std::fs::File;

@@ -5,12 +5,15 @@
 //! not what its record says, is removed: its samples are a function of scene, seed and index, so nothing is lost but time.
 
 use super::FarmError;
-use super::plan::{Folder, Plan};
+use super::folder::Folder;
+use super::plan::{Division, Plan};
 use super::record::{Record, record_file};
 use crate::accel::Accel;
 use crate::film::Film;
 use crate::film::checkpoint::{CheckpointError, load_checkpoint};
-use crate::render::{CheckpointFile, Observer, Outcome, PassError, RunState, render};
+use crate::render::{
+    Backend, CheckpointFile, CpuBackend, Observer, Outcome, PassError, RunState, render_with,
+};
 use std::io;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -25,6 +28,25 @@ pub enum TaskOutcome {
     AlreadyDone,
     /// It was asked to stop; its checkpoint holds what there is.
     Interrupted,
+}
+
+/// A backend that takes samples of a task's own pixels only.
+struct OwnPixels<'a> {
+    threads: CpuBackend<'a>,
+    /// By rows: one for the task's pixels, zero for others.
+    is_own: Vec<u32>,
+}
+
+impl Backend for OwnPixels<'_> {
+    fn pass(
+        &mut self,
+        film: &mut Film,
+        per_pixel: u32,
+        _: Option<&[u32]>,
+    ) -> Result<(), PassError> {
+        let counts: Vec<u32> = self.is_own.iter().map(|own| own * per_pixel).collect();
+        self.threads.pass(film, per_pixel, Some(&counts))
+    }
 }
 
 /// Saves checkpoints between passes.
@@ -93,10 +115,29 @@ pub fn run_task(
     let mut observer = Saving {
         checkpoint: CheckpointFile::new(path.clone(), settings, interval, &state),
     };
-    let outcome = render(
-        &scene,
-        &accel,
-        &plan.options(share),
+    let options = plan.options(share);
+    let mut threads = CpuBackend {
+        scene: &scene,
+        accel: &accel,
+        options: &options,
+    };
+    let mut own_pixels;
+    let backend: &mut dyn Backend = if plan.division == Division::Pixels {
+        let [width, height] = [film.width(), film.height()];
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        own_pixels = OwnPixels {
+            threads,
+            is_own: pixels
+                .map(|(x, y)| plan.has_pixel(index, x, y, width).into())
+                .collect(),
+        };
+        &mut own_pixels
+    } else {
+        &mut threads
+    };
+    let outcome = render_with(
+        backend,
+        &options,
         &mut film,
         &mut state,
         stop,

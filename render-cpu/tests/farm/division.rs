@@ -3,8 +3,9 @@
 use super::{Place, channels, render};
 use halflight::accel::Accel;
 use halflight::farm::FarmError;
+use halflight::farm::folder::Folder;
 use halflight::farm::merge::{merge_all, merge_node};
-use halflight::farm::plan::{Division, Plan, Request};
+use halflight::farm::plan::{Division, Plan, PlannedScene, Request};
 use halflight::farm::status::Status;
 use halflight::farm::task::TaskOutcome;
 use halflight::film::Film;
@@ -110,6 +111,67 @@ fn tasks_in_any_order_make_the_image_of_one_run() {
     assert_eq!(image.attribute("sampleRanges"), Some("5:0..21"));
     assert_eq!(image.attribute("spp"), Some("21"));
     assert!(plan.output.with_extension("png").exists());
+}
+
+#[test]
+fn pixels_divided_make_the_image_of_one_run_to_the_bit() {
+    let place = Place::with_scene();
+    // 24 x 16 pixels are two tiles, one of them narrow; 70 x 40 are fifteen.
+    for (size, tasks) in [([24, 16], 2), ([70, 40], 7)] {
+        let request = Request {
+            division: Division::Pixels,
+            output: place.path(&format!("{tasks}.exr")),
+            spp: Some(5),
+            ..place.request(tasks)
+        };
+        let scene = PlannedScene {
+            size: Some(size),
+            ..place.scene()
+        };
+        let plan = Plan::new(scene, &request).expect("a plan");
+        let folder = Folder::of_output(&plan.output);
+        folder.create(&plan).expect("a folder");
+        for task in (0..tasks).rev() {
+            assert_eq!(render(&folder, &plan, task), TaskOutcome::Done);
+        }
+        merge_all(&folder, &plan).expect("a merge");
+        assert!(channels(&plan.output) == one_run(&plan));
+        let image = read_exr(&plan.output).expect("the image");
+        assert_eq!(image.attribute("sampleRanges"), Some("5:0..5"));
+        assert_eq!(image.attribute("spp"), Some("5"));
+    }
+    for (integrator, tasks, message) in [("path", 3, "2 tiles"), ("bdpt", 2, "all pixels")] {
+        let scene = PlannedScene {
+            integrator: Some(integrator.to_owned()),
+            ..place.scene()
+        };
+        let request = Request {
+            division: Division::Pixels,
+            ..place.request(tasks)
+        };
+        let error = Plan::new(scene, &request).expect_err(message);
+        assert!(error.to_string().contains(message), "{error}");
+    }
+}
+
+#[test]
+fn splatted_light_is_divided_by_samples() {
+    let place = Place::with_scene();
+    let scene = PlannedScene {
+        integrator: Some("bdpt".to_owned()),
+        ..place.scene()
+    };
+    let plan = Plan::new(scene, &place.request(4)).expect("a plan");
+    let folder = Folder::of_output(&plan.output);
+    folder.create(&plan).expect("a folder");
+    for task in 0..4 {
+        render(&folder, &plan, task);
+    }
+    merge_all(&folder, &plan).expect("a merge");
+    let expected = one_run(&plan);
+    for ((name, values), (_, wanted)) in channels(&plan.output).iter().zip(&expected) {
+        assert_same_but_rounding(name, values, wanted);
+    }
 }
 
 #[test]

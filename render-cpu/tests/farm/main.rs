@@ -3,7 +3,8 @@
 mod division;
 mod failures;
 
-use halflight::farm::plan::{Division, Folder, Plan, PlannedScene, Request};
+use halflight::farm::folder::Folder;
+use halflight::farm::plan::{Division, Plan, PlannedScene, Request};
 use halflight::farm::task::{TaskOutcome, run_task};
 use halflight::film::aov::{Aov, AovSet};
 use std::path::{Path, PathBuf};

@@ -15,6 +15,7 @@ mod compare;
 mod error;
 mod half_vector;
 mod image;
+mod layers;
 mod parameters;
 mod regularize;
 mod run;

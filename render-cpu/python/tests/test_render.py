@@ -43,6 +43,18 @@ def test_integrator_and_sample_range_are_those_of_the_command(spheres, command):
     assert np.any(scene.render(samples=(3, 7)).radiance != image.radiance)
 
 
+@pytest.mark.parametrize("integrator", ["bdpt", "ptracer", "ao"])
+def test_every_driver_is_the_command_s(spheres, command, integrator):
+    folder = command(
+        "render", spheres, "--spp", 3, "--integrator", integrator, "--aov", "variance", "-o", "out.exr", "--no-png"
+    )
+    image = halflight.load(spheres).render(integrator, spp=3)
+    written = halflight.read(folder / "out.exr")
+    for layer in ("radiance", "variance"):
+        np.testing.assert_array_equal(image[layer], written[layer], err_msg=layer)
+    assert image.metadata["integrator"] == integrator
+
+
 def test_shapes_types_and_statistics(spheres):
     image = halflight.load(spheres).render(spp=16, layers=["normal", "uv"])
     assert (image.width, image.height, image.spp) == (40, 30, 16)

@@ -174,7 +174,7 @@ fn bundles(rays: &[Ray]) -> Vec<Ray> {
             bundles.push(*ray);
             continue;
         }
-        // Whole vectors, as bundles begin in their places.
+        // Whole vectors, as packets begin at multiples of sixteen.
         bundles.resize(bundles.len().next_multiple_of(16), *ray);
         let (spread, width) = ([0.0, 1e-3, 0.004][i / 8 % 3], [0.0, 1e-3][i / 8 % 2]);
         for _ in 0..16 {

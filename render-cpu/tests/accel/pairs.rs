@@ -6,12 +6,12 @@ use halflight::accel::build::pairs::shared_edge;
 use halflight::accel::{Accel, build};
 use halflight_kernel::scene::{NONE, Triangle};
 
-/// The places of the world's tree; each triangle lies in one.
-fn places(g: &Geometry) -> Vec<[u32; 2]> {
-    let found = build::place_bounds(&g.tables(), &g.groups[0], None);
+/// The leaf entries of the world's tree; each triangle lies in one.
+fn entries(g: &Geometry) -> Vec<[u32; 2]> {
+    let found = build::paired_bounds(&g.tables(), &g.groups[0], None);
     let skipped = found.skipped;
-    let mut places = build::GroupTree::build(found).places;
-    let mut triangles: Vec<u32> = places
+    let mut entries = build::GroupTree::build(found).entries;
+    let mut triangles: Vec<u32> = entries
         .iter()
         .flatten()
         .copied()
@@ -20,15 +20,15 @@ fn places(g: &Geometry) -> Vec<[u32; 2]> {
     triangles.sort_unstable();
     triangles.dedup();
     assert_eq!(triangles.len() + skipped, g.triangles.len());
-    places.sort_unstable();
-    places
+    entries.sort_unstable();
+    entries
 }
 
-/// The pairs among [`places`].
+/// The pairs among [`entries`].
 fn pairs(g: &Geometry) -> Vec<[u32; 2]> {
-    let pairs: Vec<[u32; 2]> = places(g)
+    let pairs: Vec<[u32; 2]> = entries(g)
         .into_iter()
-        .filter(|place| place[1] != NONE)
+        .filter(|entry| entry[1] != NONE)
         .collect();
     for pair in &pairs {
         let [a, b] = pair.map(|t| g.triangles[t as usize].vertices);
@@ -89,7 +89,7 @@ fn some_neighbours_are_no_pairs() {
     let pair = |triangles: [[Vec3; 3]; 2]| {
         let mut g = world(|g| triangles.into_iter().for_each(|t| g.triangle(t)));
         let pairs = pairs(&g).len();
-        if places(&g).len() == 2 - pairs {
+        if entries(&g).len() == 2 - pairs {
             g.check(&rays_around(1.0));
         }
         pairs

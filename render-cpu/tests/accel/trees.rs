@@ -60,7 +60,7 @@ fn trees_do_not_depend_on_the_number_of_threads() {
             let found = build::primitive_bounds(&tables, &geometry.groups[0], None);
             build::GroupTree::build(found)
         });
-        (tree.places, tree.nodes)
+        (tree.entries, tree.nodes)
     };
     let one = order(1);
     assert_eq!(one.0.len(), 120_000);
@@ -91,7 +91,7 @@ fn wide_nodes_are_those_of_obvhs() {
             }
         });
         let found = build::primitive_bounds(&geometry.tables(), &geometry.groups[0], None);
-        let binary = build::binary_tree(found, build::MAX_BINARY_DEPTH);
+        let binary = build::binary_tree::binary_tree(found, build::MAX_BINARY_DEPTH);
         /// Of a primitive in obvhs.
         const COST: f32 = 0.3;
         let expected = bvh2_to_cwbvh(&binary, 3, true, false);

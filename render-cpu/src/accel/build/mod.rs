@@ -1,17 +1,18 @@
 //! From primitives to trees.
 //!
-//! [`group_tree`] makes a tree for each group of primitives; [`pairs`] joins triangles that share an edge, [`collapse`] folds
-//! binary nodes into wide ones, in whose slots `slots` orders them, and [`packed`] lays out what lies in the leaves.
-//! [`shader_nodes`] are the binary trees of the walk in shaders.
+//! [`bounds`] puts boxes around the primitives of a group, [`pairs`] joins triangles that share an edge, [`binary_tree`] builds
+//! over the boxes, [`collapse`] folds binary nodes into wide ones (whose slots it orders by `slots`), [`group_tree`] is the
+//! result and [`leaf_entry`] what lies in its leaves. [`shader_nodes`] are the binary trees of the walk in shaders.
 
+pub mod binary_tree;
+pub mod bounds;
 pub mod collapse;
 pub mod group_tree;
-pub mod packed;
+pub mod leaf_entry;
 pub mod pairs;
 pub mod shader_nodes;
 mod slots;
 
-pub use group_tree::{
-    GroupTree, MAX_BINARY_DEPTH, MAX_COORDINATE, MAX_WIDE_DEPTH, PrimitiveBounds, binary_depth,
-    binary_tree, place_bounds, primitive_bounds,
-};
+pub use binary_tree::binary_depth;
+pub use bounds::{GroupRange, MAX_COORDINATE, PrimitiveBounds, paired_bounds, primitive_bounds};
+pub use group_tree::{GroupTree, MAX_BINARY_DEPTH, MAX_WIDE_DEPTH};

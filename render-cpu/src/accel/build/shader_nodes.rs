@@ -1,7 +1,7 @@
 //! Trees for the walk that shaders use.
 
-use super::group_tree::{binary_tree, primitive_bounds};
-use crate::accel::GroupRange;
+use super::binary_tree::binary_tree;
+use super::bounds::{GroupRange, primitive_bounds};
 use halflight_kernel::scene::bvh2::{MAX_DEPTH, MAX_LEAF};
 use halflight_kernel::scene::{BvhNode, Tables};
 use obvhs::aabb::Aabb;

@@ -90,16 +90,16 @@ impl Planes {
 pub struct Children {
     /// Entry distances; meaningless for children that are not hit.
     pub near: [f32; 8],
-    /// What lies behind the boxes that the ray meets in (t_min, t_max): 24 places of the node's leaves, then a bit per
+    /// What lies behind the boxes that the ray meets in (t_min, t_max): 24 entries of the node's leaves, then a bit per
     /// child that is a node. The format of the nodes is made for this: shifting the upper three bits of a child's
     /// `child_meta` by the lower five sets the child's bits.
     pub hits: u32,
 }
 
 impl Children {
-    /// Places in leaves, from the node's first one on.
+    /// Leaf entries, from the node's first one on.
     #[inline(always)]
-    pub fn places(&self) -> u32 {
+    pub fn entries(&self) -> u32 {
         self.hits & 0xff_ffff
     }
 
@@ -144,7 +144,7 @@ pub fn portable(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub use sse2::twice_four;
+pub use sse2::four_lanes;
 
 #[cfg(target_arch = "x86_64")]
 mod sse2 {
@@ -153,7 +153,7 @@ mod sse2 {
 
     /// [`super::portable`] with four lanes twice, on every x86-64 processor.
     #[inline(always)]
-    pub fn twice_four(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
+    pub fn four_lanes(node: &CwBvhNode, ray: &NodeRay, t_max: f32) -> Children {
         // SAFETY: SSE2 belongs to x86-64.
         unsafe { eight(node, ray, t_max) }
     }

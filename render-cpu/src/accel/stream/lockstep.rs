@@ -1,23 +1,23 @@
-//! Sixteen rays in lockstep, each at its own place in the tree, on processors with AVX-512.
+//! Sixteen rays in lockstep, each at its own node of the tree, and the stream that feeds them.
 //!
-//! A single ray's walk waits: for a node, for the result of its test, for a guess about what comes next that was wrong. Here
-//! a step takes one node for each of sixteen rays, without a branch on what they are (as graphics hardware does: Aila and
-//! Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs"); a ray that is done makes room for the next of
-//! the batch. What a node leaves of its children is kept as bits (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray
-//! Traversal on GPUs Through Compressed Wide BVHs"), and triangles and spheres wait in a queue until there are sixteen of them,
-//! whichever rays they are for. Other primitives are left to the walk of single rays. Rays in a row that go the same way, as those
-//! of a pixel's samples do, stay together instead ([`super::bundle16`]).
-//!
-//! Which hit is found does not depend on the order of the walk ([`halflight_kernel::scene::Traverse::closest_hit`]), so that
-//! it is that of a single ray, to the bit.
+//! A step takes one node for each of sixteen rays, without a branch on what they are (as graphics hardware does: Aila and
+//! Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs"); a ray that is done makes room for the next of the
+//! stream. What a node leaves of its children is kept as bits (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray
+//! Traversal on GPUs Through Compressed Wide BVHs"), and leaf entries wait in a queue until there are sixteen of them,
+//! whichever rays they are for.
 
-use super::bundle16::is_bundle;
-use super::lanes16::*;
-use super::node16::*;
-use super::root16::{NO_NODE, Starts, begin_all};
-use super::sixteen::{Sixteen, enqueue, expand_words, hand_over, hand_over_row, take, waiting};
-use crate::accel::traverse::CpuTraverse;
-use crate::accel::{Group, build::MAX_WIDE_DEPTH};
+use super::child_order::{CHILDREN, FIRST_CHILD, first_child, first_words, in_order, orders};
+use super::leaf_queue::LeafQueue;
+use super::leaves::test_queued;
+use super::nodes::{byte_shuffles, hit_children};
+use super::packet::{is_packet, trace_packet};
+use super::rays::{RayLanes, expand_words};
+use super::root::{NO_NODE, PreparedRays, begin_all};
+use crate::accel::build::MAX_WIDE_DEPTH;
+use crate::accel::simd::SimdWord;
+use crate::accel::simd::avx512::{LANES, W16, WordRow, with_avx512};
+use crate::accel::single::walk::World;
+use crate::accel::trees::Group;
 use halflight_kernel::scene::{Hit, HitBatch, RayBatch};
 use std::arch::x86_64::*;
 use std::ops::Range;
@@ -25,24 +25,26 @@ use std::ops::Range;
 /// Idle lanes that are worth looking for new rays.
 const REFILL: u32 = 3;
 
-/// Rays of a bundle that have to meet a node on average for the next ones to be worth the try. Of 5, 6, 8 and 10 the fastest.
-const TOGETHER: f32 = 5.0;
+/// Rays of a packet that have to meet a node on average for the next ones to be traced as a packet too. Of 5, 6, 8 and 10
+/// the fastest.
+const MIN_OCCUPANCY: f32 = 5.0;
 
 /// The state of sixteen walks.
 #[repr(C, align(64))]
 struct Walks {
-    rays: Sixteen,
-    /// What slots are exchanged with for their places in the order of a direction, see [`crate::accel::build::collapse`].
-    order: Words,
+    rays: RayLanes,
+    queue: LeafQueue,
+    /// What slots are exchanged with for their places in the order of a direction, see [`super::child_order`].
+    order: WordRow,
     /// First word of the node that comes next.
-    node: Words,
-    /// Nodes that wait: the first child of some node and which of its children are left ([`CHILDREN`]) and inner (the lowest
-    /// eight bits).
-    base: [Words; MAX_WIDE_DEPTH],
-    bits: [Words; MAX_WIDE_DEPTH],
-    size: Words,
+    node: WordRow,
+    /// Nodes that wait: the first child of some node and which of its children are left ([`CHILDREN`]) and are nodes (the
+    /// lowest eight bits).
+    base: [WordRow; MAX_WIDE_DEPTH],
+    bits: [WordRow; MAX_WIDE_DEPTH],
+    size: WordRow,
     /// See [`byte_shuffles`].
-    bytes: [Words; 4],
+    bytes: [WordRow; 4],
     /// Lanes that have a ray.
     live: u16,
     /// Lanes that have nodes left.
@@ -51,120 +53,120 @@ struct Walks {
 
 impl Walks {
     const NONE: Walks = Walks {
-        rays: Sixteen::NONE,
-        order: Words::all(0),
-        node: Words::all(0),
-        base: [Words::all(0); MAX_WIDE_DEPTH],
-        bits: [Words::all(0); MAX_WIDE_DEPTH],
-        size: Words::all(0),
-        bytes: [Words::all(0); 4],
+        rays: RayLanes::NONE,
+        queue: LeafQueue::EMPTY,
+        order: WordRow::all(0),
+        node: WordRow::all(0),
+        base: [WordRow::all(0); MAX_WIDE_DEPTH],
+        bits: [WordRow::all(0); MAX_WIDE_DEPTH],
+        size: WordRow::all(0),
+        bytes: [WordRow::all(0); 4],
         live: 0,
         busy: 0,
     };
 }
 
-impl CpuTraverse<'_> {
-    /// Traces the first `count` rays; with `ANY` any hit will do.
-    #[target_feature(
-        enable = "avx512f,avx512vl,avx512bw,avx512dq,avx512cd,avx2,fma,popcnt,bmi1,bmi2,lzcnt"
-    )]
-    pub(in crate::accel) fn lockstep<const ANY: bool, const N: usize>(
-        &self,
-        rays: &RayBatch<N>,
-        count: usize,
-        hits: &mut HitBatch<N>,
-    ) {
-        let count = count.min(N);
-        let group = &self.accel.groups[0];
-        if group.nodes.is_empty() {
-            for i in 0..count {
-                hits.set(i, &Hit::MISS);
-            }
-            return;
+/// Traces the first `count` rays; with `ANY` any hit will do.
+#[target_feature(
+    enable = "avx512f,avx512vl,avx512bw,avx512dq,avx512cd,avx2,fma,popcnt,bmi1,bmi2,lzcnt"
+)]
+pub fn trace<const ANY: bool, const N: usize>(
+    world: &World<'_>,
+    rays: &RayBatch<N>,
+    count: usize,
+    hits: &mut HitBatch<N>,
+) {
+    let count = count.min(N);
+    let group = &world.groups[0];
+    if group.nodes.is_empty() {
+        for i in 0..count {
+            hits.set(i, &Hit::MISS);
         }
-        let mut starts = Starts::new();
-        begin_all(group, rays, count, &mut starts);
-        let mut walks = Walks::NONE;
-        walks.bytes = byte_shuffles();
-        let mut next = 0;
-        // How many rays of the last bundles have met a node on average, while they stay together.
-        let mut together = LANES as f32;
-        while next < count {
-            let is_bundle = |first: usize, together: f32| {
-                together >= TOGETHER && first + LANES <= count && is_bundle(group, rays, first)
-            };
-            if is_bundle(next, together) {
-                take(&mut walks.rays, u16::MAX, rays, &starts, next);
-                let latest = self.trace_bundle(&mut walks.rays, group, ANY);
-                hand_over_row(&walks.rays, next, hits);
-                next += LANES;
-                together = 0.75 * together + 0.25 * latest;
-                continue;
-            }
-            let first = next;
-            loop {
-                next = (next + LANES).min(count);
-                if next == count || is_bundle(next, together) {
-                    break;
-                }
-            }
-            self.walk_apart::<ANY, N>(&mut walks, group, rays, &starts, first..next, hits);
-        }
+        return;
     }
-
-    /// Traces the rays of a range, each at its own place.
-    #[target_feature(
-        enable = "avx512f,avx512vl,avx512bw,avx512dq,avx512cd,avx2,fma,popcnt,bmi1,bmi2,lzcnt"
-    )]
-    fn walk_apart<const ANY: bool, const N: usize>(
-        &self,
-        walks: &mut Walks,
-        group: &Group,
-        rays: &RayBatch<N>,
-        starts: &Starts<N>,
-        range: Range<usize>,
-        hits: &mut HitBatch<N>,
-    ) {
-        let (mut next, count) = (range.start, range.end);
+    let mut prepared = PreparedRays::new();
+    begin_all(group, rays, count, &mut prepared);
+    let mut walks = Walks::NONE;
+    walks.bytes = byte_shuffles();
+    let mut next = 0;
+    // How many rays of the last packets have met a node on average.
+    let mut occupancy = LANES as f32;
+    while next < count {
+        let is_packet = |first: usize, occupancy: f32| {
+            occupancy >= MIN_OCCUPANCY && first + LANES <= count && is_packet(group, rays, first)
+        };
+        if is_packet(next, occupancy) {
+            walks.rays.load(u16::MAX, rays, &prepared, next);
+            let latest = trace_packet(world, group, &mut walks.rays, ANY);
+            walks.rays.store_row(next, hits);
+            next += LANES;
+            occupancy = 0.75 * occupancy + 0.25 * latest;
+            continue;
+        }
+        let first = next;
         loop {
-            let idle = !walks.busy;
-            // Lanes whose places wait keep their rays.
-            let free = if walks.rays.queued() == 0 {
-                idle
-            } else if (idle & walks.live) != 0 || (idle.count_ones() >= REFILL && next < count) {
-                idle & !waiting(&walks.rays)
-            } else {
-                0
-            };
-            if (free.count_ones() >= REFILL && next < count) || free == u16::MAX {
-                hand_over::<ANY, N>(&walks.rays, free & walks.live, hits);
-                walks.live &= !free;
-                if next == count && walks.live == 0 {
-                    return;
-                }
-                begin(walks, group, free, rays, starts, &mut next, count);
+            next = (next + LANES).min(count);
+            if next == count || is_packet(next, occupancy) {
+                break;
             }
-            if walks.busy != 0 {
-                step(walks, group);
+        }
+        walk_range::<ANY, N>(world, group, &mut walks, rays, &prepared, first..next, hits);
+    }
+}
+
+/// Traces the rays of a range, each at its own node.
+#[target_feature(
+    enable = "avx512f,avx512vl,avx512bw,avx512dq,avx512cd,avx2,fma,popcnt,bmi1,bmi2,lzcnt"
+)]
+fn walk_range<const ANY: bool, const N: usize>(
+    world: &World<'_>,
+    group: &Group,
+    walks: &mut Walks,
+    rays: &RayBatch<N>,
+    prepared: &PreparedRays<N>,
+    range: Range<usize>,
+    hits: &mut HitBatch<N>,
+) {
+    let (mut next, count) = (range.start, range.end);
+    loop {
+        let idle = !walks.busy;
+        // Lanes whose entries wait keep their rays.
+        let free = if walks.queue.len() == 0 {
+            idle
+        } else if (idle & walks.live) != 0 || (idle.count_ones() >= REFILL && next < count) {
+            idle & !walks.queue.lanes()
+        } else {
+            0
+        };
+        if (free.count_ones() >= REFILL && next < count) || free == u16::MAX {
+            walks.rays.store::<ANY, N>(free & walks.live, hits);
+            walks.live &= !free;
+            if next == count && walks.live == 0 {
+                return;
             }
-            while walks.rays.queued() >= LANES || (walks.busy == 0 && walks.rays.queued() > 0) {
-                let met = self.test_places(&mut walks.rays, group, ANY);
-                if ANY {
-                    walks.busy &= !met;
-                }
+            begin(walks, group, free, rays, prepared, &mut next, count);
+        }
+        if walks.busy != 0 {
+            step(walks, group);
+        }
+        while walks.queue.len() >= LANES || (walks.busy == 0 && walks.queue.len() > 0) {
+            let met = test_queued(world, group, &mut walks.rays, &mut walks.queue, ANY);
+            if ANY {
+                walks.busy &= !met;
             }
         }
     }
 }
 
-avx512! {
+with_avx512! {
     /// Begins the walks of the next rays in the lanes of a mask, behind the root.
+    #[inline]
     fn begin<const N: usize>(
         walks: &mut Walks,
         group: &Group,
         free: u16,
         rays: &RayBatch<N>,
-        starts: &Starts<N>,
+        prepared: &PreparedRays<N>,
         next: &mut usize,
         count: usize,
     ) {
@@ -175,79 +177,86 @@ avx512! {
         }
         let first = *next;
         *next += fresh.count_ones() as usize;
-        take(&mut walks.rays, fresh, rays, starts, first);
-        store_words(&mut walks.order, orders(walks.rays.negative));
+        walks.rays.load(fresh, rays, prepared, first);
+        orders(walks.rays.negative).store(&mut walks.order);
         let root = &group.nodes[0];
-        let none = word(NO_NODE as i32);
-        let node = expand_words(none, fresh, &starts.node, first);
-        let has_node = _mm512_cmpneq_epi32_mask(node, none);
-        store_some_words(&mut walks.node, fresh, _mm512_maskz_mov_epi32(has_node, node));
-        let bits = expand_words(_mm512_setzero_si512(), fresh, &starts.bits, first);
-        store_some_words(&mut walks.base[0], fresh, word(root.child_base_idx as i32));
-        store_some_words(&mut walks.bits[0], fresh, bits);
-        let has_more = _mm512_test_epi32_mask(bits, bits);
-        store_some_words(&mut walks.size, fresh, _mm512_maskz_mov_epi32(has_more, word(1)));
+        let none = W16::splat(NO_NODE);
+        let node = expand_words(none, fresh, &prepared.node, first);
+        let has_node = node.ne(none, u16::MAX);
+        node.masked(has_node).store_masked(&mut walks.node, fresh);
+        let bits = expand_words(W16::splat(0), fresh, &prepared.bits, first);
+        W16::splat(root.child_base_idx).store_masked(&mut walks.base[0], fresh);
+        bits.store_masked(&mut walks.bits[0], fresh);
+        let has_more = bits.test(bits, u16::MAX);
+        W16::splat(1).masked(has_more).store_masked(&mut walks.size, fresh);
         walks.live |= fresh;
         walks.busy |= has_node;
-        let places = expand_words(_mm512_setzero_si512(), fresh, &starts.places, first);
-        enqueue_leaves(&mut walks.rays, word(root.primitive_base_idx as i32), places, fresh);
+        let entries = expand_words(W16::splat(0), fresh, &prepared.entries, first);
+        enqueue_leaves(&mut walks.queue, W16::splat(root.primitive_base_idx), entries, fresh);
     }
 
     /// A node of each busy lane.
+    #[inline]
     fn step(walks: &mut Walks, group: &Group) {
         let busy = walks.busy;
-        let met = children(&walks.rays, &group.nodes, &walks.node, &walks.bytes, busy);
-        let children = in_order(_mm512_srli_epi32::<CHILDREN>(met.bits), walks.rays.negative);
-        let children = _mm512_slli_epi32::<CHILDREN>(children);
-        advance(walks, met.child_base, _mm512_or_si512(children, met.is_inner));
-        let places = _mm512_and_si512(met.bits, word(FIRST_CHILD - 1));
-        enqueue_leaves(&mut walks.rays, met.place_base, places, busy);
+        let met = hit_children(&walks.rays, &group.nodes, &walks.node, &walks.bytes, busy);
+        let children = in_order(met.bits.shr::<CHILDREN>(), walks.rays.negative);
+        advance(walks, met.child_base, children.shl::<CHILDREN>() | met.is_inner);
+        let entries = met.bits & W16::splat(FIRST_CHILD - 1);
+        enqueue_leaves(&mut walks.queue, met.entry_base, entries, busy);
     }
 
     /// Goes to a child of the last node, or to one that waits.
-    fn advance(walks: &mut Walks, child_base: __m512i, children: __m512i) {
+    #[inline]
+    fn advance(walks: &mut Walks, child_base: W16, children: W16) {
         let busy = walks.busy;
         let (mut base, mut bits) = (child_base, children);
-        let mut size = load_words(&walks.size);
-        let least = word(FIRST_CHILD);
-        let has_none = _mm512_mask_cmplt_epu32_mask(busy, bits, least);
-        let pops = _mm512_mask_test_epi32_mask(has_none, size, size);
-        let slot = |size: __m512i| _mm512_add_epi32(_mm512_slli_epi32::<4>(size), lane_numbers());
+        let mut size = W16::load(&walks.size);
+        let least = W16::splat(FIRST_CHILD);
+        let has_none = bits.lt(least, busy);
+        let pops = size.test(size, has_none);
         if pops != 0 {
-            size = _mm512_mask_sub_epi32(size, pops, size, word(1));
-            let at = slot(size);
+            size = W16::select(pops, size - W16::splat(1), size);
+            let at = stack_entry(size).0;
             // SAFETY: what lies below `size` has been written.
             unsafe {
-                base = _mm512_mask_i32gather_epi32::<4>(base, pops, at, walks.base.as_ptr().cast());
-                bits = _mm512_mask_i32gather_epi32::<4>(bits, pops, at, walks.bits.as_ptr().cast());
+                base = W16(_mm512_mask_i32gather_epi32::<4>(base.0, pops, at, walks.base.as_ptr().cast()));
+                bits = W16(_mm512_mask_i32gather_epi32::<4>(bits.0, pops, at, walks.bits.as_ptr().cast()));
             }
         }
         walks.busy = busy & !(has_none & !pops);
-        let (index, rest) = first_child(base, bits, load_words(&walks.order));
-        let pushes = _mm512_mask_cmpge_epu32_mask(walks.busy, rest, least);
+        let (index, rest) = first_child(base, bits, W16::load(&walks.order));
+        let pushes = rest.ge(least, walks.busy);
         if pushes != 0 {
-            let at = slot(size);
+            let at = stack_entry(size).0;
             // SAFETY: a node is pushed at most once per level, and there are as many entries as levels.
             unsafe {
-                _mm512_mask_i32scatter_epi32::<4>(walks.base.as_mut_ptr().cast(), pushes, at, base);
-                _mm512_mask_i32scatter_epi32::<4>(walks.bits.as_mut_ptr().cast(), pushes, at, rest);
+                _mm512_mask_i32scatter_epi32::<4>(walks.base.as_mut_ptr().cast(), pushes, at, base.0);
+                _mm512_mask_i32scatter_epi32::<4>(walks.bits.as_mut_ptr().cast(), pushes, at, rest.0);
             }
-            size = _mm512_mask_add_epi32(size, pushes, size, word(1));
+            size = W16::select(pushes, size + W16::splat(1), size);
         }
-        store_words(&mut walks.size, size);
-        store_words(&mut walks.node, _mm512_maskz_mov_epi32(walks.busy, first_words(index)));
+        size.store(&mut walks.size);
+        first_words(index).masked(walks.busy).store(&mut walks.node);
     }
 
-    /// Appends the places whose bits are set in `leaves`, from each node's first on.
-    fn enqueue_leaves(rays: &mut Sixteen, place_base: __m512i, leaves: __m512i, busy: u16) {
+    /// Index into a stack, by words, of each lane's entry of a number.
+    #[inline]
+    fn stack_entry(number: W16) -> W16 {
+        number.shl::<4>() + W16::lane_numbers()
+    }
+
+    /// Appends the leaf entries whose bits are set in `leaves`, from each node's first on.
+    #[inline]
+    fn enqueue_leaves(queue: &mut LeafQueue, entry_base: W16, leaves: W16, busy: u16) {
         let mut leaves = leaves;
-        let mut left = _mm512_mask_test_epi32_mask(busy, leaves, leaves);
+        let mut left = leaves.test(leaves, busy);
         while left != 0 {
-            let lowest = _mm512_and_si512(leaves, _mm512_sub_epi32(word(0), leaves));
-            let place = _mm512_sub_epi32(word(31), _mm512_lzcnt_epi32(lowest));
-            enqueue(rays, left, _mm512_add_epi32(place_base, place));
-            leaves = _mm512_xor_si512(leaves, lowest);
-            left = _mm512_mask_test_epi32_mask(left, leaves, leaves);
+            let lowest = leaves & (W16::splat(0) - leaves);
+            let number = W16::splat(31) - lowest.leading_zeros();
+            queue.push(left, entry_base + number);
+            leaves = leaves ^ lowest;
+            left = leaves.test(leaves, left);
         }
     }
 }

@@ -1,16 +1,16 @@
-//! A ray against the triangles in some places: [`halflight_kernel::scene::intersect::intersect_triangle`] with the same operations
+//! A ray against the triangles of some leaf entries: [`halflight_kernel::scene::intersect::intersect_triangle`] with the same operations
 //! in the same order, so that the hits are the same to the bit.
 //!
 //! Here one after the other; processors with AVX2 do eight side by side ([`super::avx2`]).
 
-use crate::accel::build::packed::Place;
+use crate::accel::build::leaf_entry::LeafEntry;
 use glam::Vec3;
 use halflight_kernel::scene::NONE;
 use halflight_kernel::scene::intersect::{ShearedRay, intersect_triangle};
 
 /// What triangles need of a ray.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockRay {
+pub struct TriangleRay {
     /// The kernel's preparation.
     pub sheared: ShearedRay,
     /// Components that are x, y and z of the sheared space.
@@ -21,14 +21,14 @@ pub struct BlockRay {
     pub t_min: f32,
 }
 
-impl BlockRay {
+impl TriangleRay {
     /// Prepares a ray; its direction is not zero.
     #[inline(always)]
-    pub fn new(origin: Vec3, direction: Vec3, t_min: f32) -> BlockRay {
+    pub fn new(origin: Vec3, direction: Vec3, t_min: f32) -> TriangleRay {
         let sheared = ShearedRay::new(origin, direction);
         let axis = sheared.axis as usize;
         let rows = [(axis + 1) % 3, (axis + 2) % 3, axis];
-        BlockRay {
+        TriangleRay {
             sheared,
             rows,
             origin: rows.map(|row| origin.to_array()[row]),
@@ -39,7 +39,7 @@ impl BlockRay {
 
 /// A hit among some triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BlockHit {
+pub struct TriangleHit {
     /// Ray parameter; [`f32::MAX`] for a miss.
     pub t: f32,
     /// Barycentric weight of the second vertex.
@@ -50,9 +50,9 @@ pub struct BlockHit {
     pub primitive: u32,
 }
 
-impl BlockHit {
+impl TriangleHit {
     /// No intersection.
-    pub const MISS: BlockHit = BlockHit {
+    pub const MISS: TriangleHit = TriangleHit {
         t: f32::MAX,
         b1: 0.0,
         b2: 0.0,
@@ -66,23 +66,23 @@ impl BlockHit {
     }
 }
 
-/// The nearest hit in (t_min, t_max) among those of the `places` whose bits are set in `mask`, of several at the very same
+/// The nearest hit in (t_min, t_max) among those of the `entries` whose bits are set in `mask`, of several at the very same
 /// distance the one with the lowest primitive.
 #[inline(always)]
-pub fn portable(places: &[Place], mask: u32, ray: &BlockRay, t_max: f32) -> BlockHit {
-    let mut hit = BlockHit::MISS;
+pub fn portable(entries: &[LeafEntry], mask: u32, ray: &TriangleRay, t_max: f32) -> TriangleHit {
+    let mut hit = TriangleHit::MISS;
     let mut left = mask;
     while left != 0 {
-        let place = &places[left.trailing_zeros() as usize];
+        let entry = &entries[left.trailing_zeros() as usize];
         left &= left - 1;
-        for (triangle, primitive) in [place.primitive(), place.partner()].into_iter().enumerate() {
+        for (triangle, primitive) in [entry.primitive(), entry.partner()].into_iter().enumerate() {
             if primitive == NONE {
                 continue;
             }
-            let [p0, p1, p2] = place.vertices(triangle);
+            let [p0, p1, p2] = entry.vertices(triangle);
             let found = intersect_triangle(&ray.sheared, p0, p1, p2, ray.t_min, t_max);
             if hit.is_behind(found.t, primitive) {
-                hit = BlockHit {
+                hit = TriangleHit {
                     t: found.t,
                     b1: found.b1,
                     b2: found.b2,

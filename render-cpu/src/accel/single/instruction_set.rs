@@ -1,13 +1,15 @@
-//! What the walk needs of a processor: a ray prepared for it, nodes and triangles tested against it.
+//! What the walk of a single ray needs of a processor: a ray prepared for it, nodes and triangles tested against it.
+//!
+//! Implementations for any processor and for four lanes are here, that for eight lanes is in `super::avx2`.
 
-use super::block::{self, BlockHit, BlockRay};
 use super::node::{self, Children, NodeRay};
-use crate::accel::build::packed::Place;
+use super::triangles::{self, TriangleHit, TriangleRay};
+use crate::accel::build::leaf_entry::LeafEntry;
 use glam::Vec3;
 use obvhs::cwbvh::node::CwBvhNode;
 
-/// The tests for one kind of processor.
-pub trait Lanes {
+/// The tests for one instruction set.
+pub trait InstructionSet {
     /// A ray with what both tests need of it.
     type Ray;
 
@@ -17,30 +19,30 @@ pub trait Lanes {
     /// The children of a node that the ray meets in (t_min, t_max).
     fn children(node: &CwBvhNode, ray: &Self::Ray, t_max: f32) -> Children;
 
-    /// The nearest hit in (t_min, t_max) among those of the `places` whose bits are set in `mask`, of several at the very
+    /// The nearest hit in (t_min, t_max) among those of the `entries` whose bits are set in `mask`, of several at the very
     /// same distance the one with the lowest primitive.
-    fn nearest(places: &[Place], mask: u32, ray: &Self::Ray, t_max: f32) -> BlockHit;
+    fn nearest(entries: &[LeafEntry], mask: u32, ray: &Self::Ray, t_max: f32) -> TriangleHit;
 }
 
 /// A ray for processors without wide vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct NarrowRay {
     node: NodeRay,
-    block: BlockRay,
+    triangles: TriangleRay,
 }
 
 /// Any processor.
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
-impl Lanes for Portable {
+impl InstructionSet for Portable {
     type Ray = NarrowRay;
 
     #[inline(always)]
     fn ray(origin: Vec3, direction: Vec3, t_min: f32) -> NarrowRay {
         NarrowRay {
             node: NodeRay::new(origin, direction, t_min),
-            block: BlockRay::new(origin, direction, t_min),
+            triangles: TriangleRay::new(origin, direction, t_min),
         }
     }
 
@@ -50,8 +52,8 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn nearest(places: &[Place], mask: u32, ray: &NarrowRay, t_max: f32) -> BlockHit {
-        block::portable(places, mask, &ray.block, t_max)
+    fn nearest(entries: &[LeafEntry], mask: u32, ray: &NarrowRay, t_max: f32) -> TriangleHit {
+        triangles::portable(entries, mask, &ray.triangles, t_max)
     }
 }
 
@@ -61,7 +63,7 @@ impl Lanes for Portable {
 pub struct Sse2;
 
 #[cfg(target_arch = "x86_64")]
-impl Lanes for Sse2 {
+impl InstructionSet for Sse2 {
     type Ray = NarrowRay;
 
     #[inline(always)]
@@ -71,14 +73,11 @@ impl Lanes for Sse2 {
 
     #[inline(always)]
     fn children(node: &CwBvhNode, ray: &NarrowRay, t_max: f32) -> Children {
-        node::twice_four(node, &ray.node, t_max)
+        node::four_lanes(node, &ray.node, t_max)
     }
 
     #[inline(always)]
-    fn nearest(places: &[Place], mask: u32, ray: &NarrowRay, t_max: f32) -> BlockHit {
-        Portable::nearest(places, mask, ray, t_max)
+    fn nearest(entries: &[LeafEntry], mask: u32, ray: &NarrowRay, t_max: f32) -> TriangleHit {
+        Portable::nearest(entries, mask, ray, t_max)
     }
 }
-
-#[cfg(target_arch = "x86_64")]
-pub use super::avx2::Avx2;

@@ -1,10 +1,9 @@
-//! Directions that many paths leave their surfaces in, side by side.
+//! Sampled directions, in lanes, and the paths that continue along them.
 
 use super::bsdf_variant;
-use super::lobes::LobeLanes;
 use super::microfacet_normals::NormalLanes;
-use super::paths::PathLanes;
-use super::segment::Segment;
+use super::paths::{NextPathLanes, QueuedPaths};
+use super::scattering::ScatteringInputs;
 use super::surfaces::PointLanes;
 use crate::bsdf::{BsdfSample, mixture};
 use crate::sampler::LaneSampler;
@@ -13,9 +12,9 @@ use crate::simd::multiversioned;
 use crate::transport::IntegratorSettings;
 use crate::transport::path::step;
 use bytemuck::Zeroable;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-/// Samples of up to `N` lobes.
+/// BSDF samples of up to `N` paths.
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct SampleLanes<const N: usize> {
@@ -50,51 +49,45 @@ impl<const N: usize> SampleLanes<N> {
 }
 
 multiversioned! {
-    /// Samples the lobes with the last three of the `numbers`, rough ones at their normals.
+    /// Samples the lobes, rough ones at their microfacet normals.
     pub(super) fn sample<; const VARIANT: u32, const N: usize>(
         data: &[f32],
-        points: &PointLanes<N>,
-        lobes: &LobeLanes<N>,
+        scattering: &ScatteringInputs<'_, N>,
         normals: &NormalLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
         samples: &mut SampleLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
-            let lobe = lobes.get::<VARIANT>(k);
-            let wi = points.wi.get(k);
-            let u1 = numbers[3][k];
-            let u2 = Vec2::new(numbers[4][k], numbers[5][k]);
+        for k in scattering.segment.padded::<N>() {
+            let lobe = scattering.lobes.get::<VARIANT>(k);
+            let wi = scattering.points.wi.get(k);
+            let (u1, u2) = (scattering.numbers.event[k], scattering.numbers.direction(k));
             let m = if bsdf_variant::is_rough(VARIANT) { normals.m.get(k) } else { Vec3::Z };
             let sample = mixture::plain::sample(&lobe, data, wi, u1, u2, m);
             samples.set(k, &sample);
         }
     }
 
-    /// The paths leave along what was sampled. `next` holds their samplers.
-    pub(super) fn scatter_along<S: LaneSampler; const N: usize>(
+    /// Continues the paths along their samples. `next` holds their samplers.
+    pub(super) fn continue_along<S: LaneSampler; const N: usize>(
         settings: &IntegratorSettings,
-        paths: &PathLanes<N>,
-        list: &[u32; N],
+        queued: &QueuedPaths<'_, N>,
         points: &PointLanes<N>,
         samples: &SampleLanes<N>,
-        segment: Segment,
-        next: &mut PathLanes<N>,
-        continues: &mut [u32; N],
+        next: &mut NextPathLanes<N>,
     ) {
+        // Paths under strict normals are in the fallback queue.
         let settings = IntegratorSettings {
             strict_normals: 0,
             ..*settings
         };
-        for k in segment.slots::<N>() {
-            let mut path = paths.gather(list[k]);
-            let mut sampler = next.sampler_at::<S>(k);
+        for k in queued.segment.padded::<N>() {
+            let mut path = queued.paths.gather(queued.entries[k]);
+            let mut sampler = next.paths.sampler_at::<S>(k);
             let following =
                 path.scatter_along(&settings, &mut sampler, &points.get(k), &samples.get(k));
-            let is_on = (following != step::END) & path.may_continue(&settings);
-            next.set(k, &path);
-            next.set_sampler(k, sampler);
-            continues[k] = is_on as u32;
+            let continues = (following != step::END) & path.may_continue(&settings);
+            next.paths.set(k, &path);
+            next.paths.set_sampler(k, sampler);
+            next.continues[k] = continues as u32;
         }
     }
 }

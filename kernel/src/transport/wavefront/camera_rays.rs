@@ -75,7 +75,7 @@ multiversioned! {
         numbers: &mut [[f32; N]; 4],
         weight: &mut [f32; N],
     ) {
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let mut sampler = paths.sampler_at::<S>(k);
             let film = sampler.next_2d();
             let lens = sampler.next_2d();
@@ -97,7 +97,7 @@ multiversioned! {
         film: &mut [f32; N],
         weight: &mut [f32; N],
     ) {
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let support = Support::new::<AXIS>(&tables.camera, pixel[k]);
             let (offset, factor) = sample_uniform(support.lo, support.hi, u[k]);
             let (at, factor) = if support.is_empty() {
@@ -121,7 +121,7 @@ multiversioned! {
         let camera = &tables.camera;
         let filter = camera.reconstruction_filter();
         let guide = filter.guide();
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let support = Support::new::<AXIS>(camera, pixel[k]);
             let interval = Interval::new(&filter, tables.data, support.lo, support.hi);
             let target = interval.target(u[k]);
@@ -141,7 +141,7 @@ multiversioned! {
     ) {
         let camera = &tables.camera;
         let filter = camera.reconstruction_filter();
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let support = Support::new::<AXIS>(camera, pixel[k]);
             let interval = Interval::new(&filter, tables.data, support.lo, support.hi);
             let (step, position, _) = searches.found(tables.data, k);
@@ -168,12 +168,12 @@ multiversioned! {
         numbers: &[[f32; N]; 4],
         paths: &mut PathLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let film = Vec2::new(film[0][k], film[1][k]);
             let lens = Vec2::new(numbers[2][k], numbers[3][k]);
             let ray = ray_through(&tables.camera, film, lens);
             paths.set(k, &Path::new(&ray));
-            paths.place[k] = k as u32;
+            paths.index[k] = k as u32;
         }
     }
 }

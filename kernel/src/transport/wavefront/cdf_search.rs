@@ -1,4 +1,4 @@
-//! Searches in cumulative tables, side by side.
+//! Binary searches in cumulative distributions, in lanes.
 
 use super::segment::Segment;
 use crate::math::distribution::{halved, interval};
@@ -9,17 +9,17 @@ use bytemuck::Zeroable;
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct SearchLanes<const N: usize> {
-    /// Where the tables begin.
+    /// First words of the tables.
     pub offset: [u32; N],
-    /// The numbers that choose.
+    /// The random numbers.
     pub u: [f32; N],
-    /// Between which indices they do.
+    /// The range of indices that is left.
     pub low: [u32; N],
     pub high: [u32; N],
 }
 
 impl<const N: usize> SearchLanes<N> {
-    /// A search at slot `k < N`.
+    /// Begins a search at slot `k < N`.
     #[inline(always)]
     pub fn set(&mut self, k: usize, offset: u32, u: f32, low: u32, high: u32) {
         self.offset[k] = offset;
@@ -28,7 +28,7 @@ impl<const N: usize> SearchLanes<N> {
         self.high[k] = high;
     }
 
-    /// The index that was found at slot `k < N`, the number stretched to [0, 1) inside its interval, its probability.
+    /// The index found at slot `k < N`, the random number rescaled to [0, 1) within its interval, and its probability.
     #[inline(always)]
     pub fn found(&self, data: &[f32], k: usize) -> (u32, f32, f32) {
         let index = self.low[k];
@@ -38,19 +38,19 @@ impl<const N: usize> SearchLanes<N> {
 }
 
 multiversioned! {
-    /// Searches until every slot of the segment has found its index.
+    /// Runs the searches of a segment to their ends.
     pub(super) fn search<; const N: usize>(
         data: &[f32],
         segment: Segment,
         lanes: &mut SearchLanes<N>,
     ) {
         let mut widest = 0;
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             widest |= lanes.high[k].wrapping_sub(lanes.low[k]);
         }
-        // A range of n indices is one after as many halvings as n has bits.
+        // A range of n indices is reduced to one by as many halvings as n has bits.
         for _ in 0..32 - widest.leading_zeros() {
-            for k in segment.slots::<N>() {
+            for k in segment.padded::<N>() {
                 let (low, high) = (lanes.low[k], lanes.high[k]);
                 let (lower, upper) = halved(data, lanes.offset[k], low, high, lanes.u[k]);
                 lanes.low[k] = if low < high { lower } else { low };

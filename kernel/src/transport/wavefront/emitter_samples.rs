@@ -1,10 +1,11 @@
-//! Emitter points that light many surface points, side by side.
+//! Emitter samples, in lanes.
 //!
-//! Emitters of a form, such as meshes without textures, have a loop of their own over all slots, which leaves those of
-//! other forms alone: few scenes have more than two.
+//! Emitters are divided into classes by the code that samples them, such as meshes without textures. Each class has a loop
+//! over all slots that discards its result in slots of other classes: few scenes have emitters of more than two.
 
 use super::cdf_search::{SearchLanes, search};
 use super::environment::{EnvironmentLanes, Scratch};
+use super::random_numbers::NumberLanes;
 use super::segment::Segment;
 use super::surfaces::PointLanes;
 use crate::math::{field, vec3};
@@ -15,9 +16,9 @@ use crate::simd::{SimdLevel, multiversioned};
 use bytemuck::Zeroable;
 use glam::Vec2;
 
-/// Forms of emitters, as bits.
-mod form {
-    /// Any, sampled one after the other.
+/// Classes of emitters, as bits.
+mod class {
+    /// Any, sampled slot by slot.
     pub const OTHER: u32 = 1;
     /// A mesh without a texture.
     pub const MESH: u32 = 2;
@@ -27,13 +28,13 @@ mod form {
     pub const ENVIRONMENT: u32 = 8;
 }
 
-/// The most emitters among which the choice is a comparison with each.
+/// The most emitters that are selected among by comparison with the cumulative probability of each.
 const MAX_COMPARED: usize = 24;
 
-/// The chosen emitter points of up to `N` paths.
+/// Emitter samples of up to `N` paths.
 #[repr(C, align(64))]
 #[derive(Zeroable)]
-pub(super) struct LightLanes<const N: usize> {
+pub(super) struct EmitterSampleLanes<const N: usize> {
     direction: Vec3Lanes<N>,
     distance: [f32; N],
     target: Vec3Lanes<N>,
@@ -41,10 +42,19 @@ pub(super) struct LightLanes<const N: usize> {
     pdf: [f32; N],
     is_delta: [u32; N],
     emitter: [u32; N],
-    form: [u32; N],
+    /// One of [`class`].
+    class: [u32; N],
 }
 
-impl<const N: usize> LightLanes<N> {
+/// The surface points that are lit, and the random numbers of their emitter samples.
+#[derive(Clone, Copy)]
+pub(super) struct References<'a, const N: usize> {
+    pub points: &'a PointLanes<N>,
+    pub numbers: &'a NumberLanes<N>,
+    pub segment: Segment,
+}
+
+impl<const N: usize> EmitterSampleLanes<N> {
     /// The sample at slot `k < N`.
     #[inline(always)]
     pub fn get(&self, k: usize) -> DirectSample {
@@ -59,7 +69,7 @@ impl<const N: usize> LightLanes<N> {
         }
     }
 
-    /// Sets slot `k < N` but for its emitter.
+    /// Sets slot `k < N`, except for its emitter.
     #[inline(always)]
     fn set(&mut self, k: usize, light: &DirectSample) {
         self.direction.set(k, light.direction);
@@ -70,77 +80,55 @@ impl<const N: usize> LightLanes<N> {
         self.is_delta[k] = light.is_delta as u32;
     }
 
-    /// [`emitter::sample_direct`] at the points of a segment; `numbers` hold what chooses the emitter, then its point.
-    pub fn choose(
+    /// [`emitter::sample_direct`] at the surface points of a segment.
+    pub fn sample(
         &mut self,
         simd: SimdLevel,
         tables: &Tables<'_>,
-        points: &PointLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
+        at: &References<'_, N>,
         environment: &mut EnvironmentLanes<N>,
         scratch: Scratch<'_, N>,
     ) {
         if tables.emitters.len() > MAX_COMPARED {
-            for k in segment.taken::<N>() {
-                self.emitter[k] = select_emitter(tables, numbers[0][k]);
+            for k in at.segment.occupied::<N>() {
+                self.emitter[k] = select_emitter(tables, at.numbers.emitter[k]);
             }
         } else {
-            compare(simd, tables, numbers, segment, &mut self.emitter);
+            select_by_comparison(simd, tables, at, &mut self.emitter);
         }
-        let mut forms = 0;
-        tell_forms(
-            simd,
-            tables,
-            segment,
-            &self.emitter,
-            &mut self.form,
-            &mut forms,
-        );
-        if forms & form::MESH != 0 {
+        let mut classes = 0;
+        let (emitters, class) = (&self.emitter, &mut self.class);
+        classify(simd, tables, at.segment, emitters, class, &mut classes);
+        if classes & class::MESH != 0 {
             let searches = &mut *scratch.searches;
-            begin_meshes(
-                simd,
-                tables,
-                numbers,
-                segment,
-                &self.emitter,
-                &self.form,
-                searches,
-            );
-            search(simd, tables.data, segment, searches);
-            let finish = match tables.normals {
-                [] => finish_meshes::<false, N>,
-                _ => finish_meshes::<true, N>,
+            begin_triangle_search(simd, tables, at, self, searches);
+            search(simd, tables.data, at.segment, searches);
+            let sample_triangles = match tables.normals {
+                [] => sample_triangles::<false, N>,
+                _ => sample_triangles::<true, N>,
             };
-            finish(simd, tables, points, numbers, segment, searches, self);
+            sample_triangles(simd, tables, at, searches, self);
         }
-        if forms & form::SPHERE != 0 {
-            spheres(simd, tables, points, numbers, segment, self);
+        if classes & class::SPHERE != 0 {
+            sample_spheres(simd, tables, at, self);
         }
-        if forms & form::ENVIRONMENT != 0 {
-            environment.sample(simd, tables, numbers, segment, scratch);
-            shine(simd, tables, segment, environment, self);
+        if classes & class::ENVIRONMENT != 0 {
+            environment.sample(simd, tables, at.numbers, at.segment, scratch);
+            set_environment(simd, tables, at.segment, environment, self);
         }
-        if forms & form::OTHER != 0 {
-            self.others(tables, points, numbers, segment);
+        if classes & class::OTHER != 0 {
+            self.sample_others(tables, at);
         }
     }
 
-    /// Samples those that have no loop of their own.
+    /// Samples emitters of no other class, slot by slot.
     #[inline(never)]
-    fn others(
-        &mut self,
-        tables: &Tables<'_>,
-        points: &PointLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
-    ) {
-        for k in segment.taken::<N>() {
-            if self.form[k] == form::OTHER {
+    fn sample_others(&mut self, tables: &Tables<'_>, at: &References<'_, N>) {
+        for k in at.segment.occupied::<N>() {
+            if self.class[k] == class::OTHER {
                 let emitter = self.emitter[k];
-                let u = Vec2::new(numbers[1][k], numbers[2][k]);
-                let position = points.get(k).position;
+                let u = at.numbers.emitter_point(k);
+                let position = at.points.get(k).position;
                 let mut light = emitter::sample_emitter(tables, emitter, position, u);
                 light.pdf *= tables.emitters[emitter as usize].selection_pdf;
                 self.set(k, &light);
@@ -151,145 +139,138 @@ impl<const N: usize> LightLanes<N> {
 
 multiversioned! {
     /// [`select_emitter`] by comparison with all of them.
-    fn compare<; const N: usize>(
+    fn select_by_comparison<; const N: usize>(
         tables: &Tables<'_>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
+        at: &References<'_, N>,
         chosen: &mut [u32; N],
     ) {
-        for k in segment.slots::<N>() {
+        for k in at.segment.padded::<N>() {
             chosen[k] = 0;
         }
         for i in 1..tables.emitters.len() {
             // The first emitter whose cumulative probability is above u, or the last.
             let before = tables.emitters[i - 1].selection_cdf;
-            for k in segment.slots::<N>() {
-                chosen[k] += (before <= numbers[0][k]) as u32;
+            for k in at.segment.padded::<N>() {
+                chosen[k] += (before <= at.numbers.emitter[k]) as u32;
             }
         }
-        for k in segment.slots::<N>() {
+        for k in at.segment.padded::<N>() {
             let pdf = field(tables.emitters, chosen[k], |e| e.selection_pdf);
             chosen[k] = if pdf > 0.0 { chosen[k] } else { NONE };
         }
     }
 
-    /// The form of each emitter, and all of them together.
-    fn tell_forms<; const N: usize>(
+    /// The class of each selected emitter, and the union of all.
+    fn classify<; const N: usize>(
         tables: &Tables<'_>,
         segment: Segment,
         chosen: &[u32; N],
-        forms: &mut [u32; N],
+        classes: &mut [u32; N],
         all: &mut u32,
     ) {
         let mut found = 0;
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let i = chosen[k];
             let shape = field(tables.emitters, i, |e| e.shape);
             let is_area = (field(tables.emitters, i, |e| e.kind) == emitter_kind::AREA)
                 & (field(tables.emitters, i, |e| e.radiance.texture) == NONE)
                 & (shape != NONE);
-            // Only one of two tables holds the shape at its first primitive.
+            // The first primitive of a shape is an index into the triangles or into the quadrics; only one of them names the shape.
             let first = field(tables.shapes, shape, |s| s.first_primitive);
             let is_quadric = (first < tables.quadrics.len() as u32)
                 & (field(tables.quadrics, first, |q| q.shape) == shape);
             let is_sphere =
                 is_quadric & (field(tables.quadrics, first, |q| q.kind) == quadric_kind::SPHERE);
             let of_area = if is_sphere {
-                form::SPHERE
+                class::SPHERE
             } else if is_quadric {
-                form::OTHER
+                class::OTHER
             } else {
-                form::MESH
+                class::MESH
             };
-            let form = if is_area { of_area } else { form::OTHER };
+            let class = if is_area { of_area } else { class::OTHER };
             let is_environment = i == tables.info.environment;
-            let form = if is_environment { form::ENVIRONMENT } else { form };
-            // Nothing was chosen in the dark.
-            let form = if i == NONE { form::MESH } else { form };
-            forms[k] = form;
-            found |= form;
+            let class = if is_environment { class::ENVIRONMENT } else { class };
+            // Without emitters: a mesh of no triangles, whose samples are empty.
+            let class = if i == NONE { class::MESH } else { class };
+            classes[k] = class;
+            found |= class;
         }
         *all = found;
     }
 
-    /// Searches for a triangle of each mesh.
-    fn begin_meshes<; const N: usize>(
+    /// Begins the search for a triangle of each mesh.
+    fn begin_triangle_search<; const N: usize>(
         tables: &Tables<'_>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
-        chosen: &[u32; N],
-        forms: &[u32; N],
+        at: &References<'_, N>,
+        samples: &EmitterSampleLanes<N>,
         searches: &mut SearchLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
-            let i = chosen[k];
+        for k in at.segment.padded::<N>() {
+            let i = samples.emitter[k];
             let shape = field(tables.emitters, i, |e| e.shape);
             let count = field(tables.shapes, shape, |s| s.primitive_count);
-            let last = if forms[k] == form::MESH { count.saturating_sub(1) } else { 0 };
+            let last = if samples.class[k] == class::MESH { count.saturating_sub(1) } else { 0 };
             let table = field(tables.emitters, i, |e| e.distribution);
-            searches.set(k, table, numbers[1][k], 0, last);
+            searches.set(k, table, at.numbers.emitter_point(k).x, 0, last);
         }
     }
 
-    /// Points of the triangles that were found; without `NORMALS` if no mesh has them.
-    fn finish_meshes<; const NORMALS: bool, const N: usize>(
+    /// Points on the triangles that were found; without `NORMALS` if no mesh has them.
+    fn sample_triangles<; const NORMALS: bool, const N: usize>(
         tables: &Tables<'_>,
-        points: &PointLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
+        at: &References<'_, N>,
         searches: &SearchLanes<N>,
-        lights: &mut LightLanes<N>,
+        samples: &mut EmitterSampleLanes<N>,
     ) {
         let tables = &Tables {
             normals: if NORMALS { tables.normals } else { &[] },
             uvs: &[],
             ..*tables
         };
-        for k in segment.slots::<N>() {
-            let i = lights.emitter[k];
+        for k in at.segment.padded::<N>() {
+            let i = samples.emitter[k];
             let shape = field(tables.emitters, i, |e| e.shape);
             let first = field(tables.shapes, shape, |s| s.first_primitive);
             let (triangle, u, pmf) = searches.found(tables.data, k);
-            let u = Vec2::new(u, numbers[2][k]);
-            let reference = points.get(k).position;
+            let u = Vec2::new(u, at.numbers.emitter_point(k).y);
+            let reference = at.points.get(k).position;
             let (sample, point) = on_triangle(tables, first + triangle, pmf, reference, u);
-            let light = shining(tables, i, sample, &point);
-            if lights.form[k] == form::MESH {
-                lights.set(k, &light);
+            let light = with_emission(tables, i, sample, &point);
+            if samples.class[k] == class::MESH {
+                samples.set(k, &light);
             }
         }
     }
 
-    /// Points of spheres.
-    fn spheres<; const N: usize>(
+    /// Points on spheres.
+    fn sample_spheres<; const N: usize>(
         tables: &Tables<'_>,
-        points: &PointLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
-        lights: &mut LightLanes<N>,
+        at: &References<'_, N>,
+        samples: &mut EmitterSampleLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
-            let i = lights.emitter[k];
+        for k in at.segment.padded::<N>() {
+            let i = samples.emitter[k];
             let shape = field(tables.emitters, i, |e| e.shape);
             let index = field(tables.shapes, shape, |s| s.first_primitive);
-            let u = Vec2::new(numbers[1][k], numbers[2][k]);
-            let (sample, point) = on_sphere(tables, index, points.get(k).position, u);
-            let light = shining(tables, i, sample, &point);
-            if lights.form[k] == form::SPHERE {
-                lights.set(k, &light);
+            let u = at.numbers.emitter_point(k);
+            let (sample, point) = on_sphere(tables, index, at.points.get(k).position, u);
+            let light = with_emission(tables, i, sample, &point);
+            if samples.class[k] == class::SPHERE {
+                samples.set(k, &light);
             }
         }
     }
 
-    /// Directions of the environment.
-    fn shine<; const N: usize>(
+    /// Samples of the environment.
+    fn set_environment<; const N: usize>(
         tables: &Tables<'_>,
         segment: Segment,
         environment: &EnvironmentLanes<N>,
-        lights: &mut LightLanes<N>,
+        samples: &mut EmitterSampleLanes<N>,
     ) {
         let selection_pdf = field(tables.emitters, tables.info.environment, |e| e.selection_pdf);
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let light = DirectSample {
                 direction: environment.direction.get(k),
                 distance: f32::MAX,
@@ -297,16 +278,16 @@ multiversioned! {
                 pdf: environment.pdf[k] * selection_pdf,
                 ..DirectSample::NONE
             };
-            if lights.form[k] == form::ENVIRONMENT {
-                lights.set(k, &light);
+            if samples.class[k] == class::ENVIRONMENT {
+                samples.set(k, &light);
             }
         }
     }
 }
 
-/// A point of an emitter without a texture, with its light.
+/// A sampled point of an emitter without a texture, completed by what it emits.
 #[inline(always)]
-fn shining(
+fn with_emission(
     tables: &Tables<'_>,
     emitter: u32,
     sample: DirectSample,

@@ -1,7 +1,7 @@
-//! The lobes of plain materials at many points, side by side.
+//! Lobes with their parameters looked up, in lanes.
 //!
-//! A plain material ([`PLAIN`](crate::scene::material_flag::PLAIN)) is one lobe without coats, perturbed frame, mixing factors and absorption. Here its
-//! form is a constant, so that a loop over lanes holds the code of one scattering model.
+//! The BSDF variant ([`bsdf_variant`]) is a constant of each function, so that a loop over lanes holds the code of one
+//! scattering model.
 
 use super::bsdf_variant;
 use super::segment::Segment;
@@ -18,7 +18,7 @@ use crate::simd::{SimdLevel, multiversioned};
 use bytemuck::Zeroable;
 use glam::Vec2;
 
-/// The lobes of up to `N` points, of which those of a form hold what its kind reads.
+/// The lobes of up to `N` points. Of a lobe only the fields that its kind reads are set.
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct LobeLanes<const N: usize> {
@@ -142,7 +142,7 @@ impl<const N: usize> LobeLanes<N> {
         }
     }
 
-    /// Multiplies what has a texture by that.
+    /// Multiplies the fields that have a texture by it.
     pub fn look_up_textures<const VARIANT: u32>(
         &mut self,
         simd: SimdLevel,
@@ -173,7 +173,7 @@ impl<const N: usize> LobeLanes<N> {
         textures: &mut TextureLanes<N>,
     ) {
         let mut any = 0;
-        ask::<FIELD, N>(
+        find_textures::<FIELD, N>(
             simd,
             tables,
             points,
@@ -185,7 +185,9 @@ impl<const N: usize> LobeLanes<N> {
             textures.look_up(simd, tables, segment, &points.uv, Some(points));
             let values = &textures.value;
             if FIELD == field::ALPHA || FIELD == field::ALPHA_V {
-                roughen::<VARIANT, FIELD, N>(simd, tables, points, segment, values, self);
+                multiply_roughness::<VARIANT, FIELD, N>(
+                    simd, tables, points, segment, values, self,
+                );
             } else {
                 multiply::<FIELD, N>(simd, segment, values, self);
             }
@@ -193,7 +195,7 @@ impl<const N: usize> LobeLanes<N> {
     }
 }
 
-/// The lobe of a plain material.
+/// The only lobe of a plain material.
 #[inline(always)]
 fn lobe_of(tables: &Tables<'_>, material: u32) -> u32 {
     element_field(tables.materials, material, |m| m.first_lobe)
@@ -221,7 +223,7 @@ multiversioned! {
         segment: Segment,
         lobes: &mut LobeLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let lobe = match crate::math::within(tables.materials, points.material[k]) {
                 Some(material) => match crate::math::within(tables.lobes, material.first_lobe) {
                     Some(record) => plain_lobe(record, bsdf_variant::kind(VARIANT)),
@@ -234,7 +236,7 @@ multiversioned! {
     }
 
     /// The textures of a field, and whether there are any.
-    fn ask<; const FIELD: u32, const N: usize>(
+    fn find_textures<; const FIELD: u32, const N: usize>(
         tables: &Tables<'_>,
         points: &PointLanes<N>,
         segment: Segment,
@@ -242,7 +244,7 @@ multiversioned! {
         any: &mut u32,
     ) {
         let mut found = 0;
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let lobe = lobe_of(tables, points.material[k]);
             let is_some = lobe < tables.lobes.len() as u32;
             let texture = element_field(tables.lobes, lobe, texture_of::<FIELD>);
@@ -265,20 +267,20 @@ multiversioned! {
             field::ETA => &mut lobes.eta,
             _ => &mut lobes.k,
         };
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             row.set(k, row.get(k) * values.get(k));
         }
     }
 
-    /// Multiplies a roughness by its texture's values before it is brought into its range, and looks up again what depends on it.
-    fn roughen<; const VARIANT: u32, const FIELD: u32, const N: usize>(
+    /// Multiplies a roughness by the values of its texture, clamps it, and looks up again what depends on it.
+    fn multiply_roughness<; const VARIANT: u32, const FIELD: u32, const N: usize>(
         tables: &Tables<'_>,
         points: &PointLanes<N>,
         segment: Segment,
         values: &Vec3Lanes<N>,
         lobes: &mut LobeLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let i = lobe_of(tables, points.material[k]);
             let is_v = FIELD == field::ALPHA_V;
             let parameter = if is_v {

@@ -1,9 +1,10 @@
-//! Normals of microfacets, side by side, in the frames of the lobes' models.
+//! Sampled microfacet normals, in lanes, in the frames of the scattering models.
+//!
+//! Beckmann's visible normals are found by Newton's method, of which all lanes make a step before the next.
 
 use super::bsdf_variant;
-use super::lobes::LobeLanes;
+use super::scattering::ScatteringInputs;
 use super::segment::Segment;
-use super::surfaces::PointLanes;
 use crate::bsdf::Lobe;
 use crate::bsdf::lobe::{is_flipped, mirrored};
 use crate::bsdf::microfacet::beckmann::VisibleSlope;
@@ -12,15 +13,15 @@ use crate::scene::distribution;
 use crate::simd::lanes::Vec3Lanes;
 use crate::simd::{SimdLevel, multiversioned};
 use bytemuck::Zeroable;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-/// The normals at which up to `N` paths scatter.
+/// The microfacet normals at which up to `N` paths scatter.
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct NormalLanes<const N: usize> {
     /// The normals.
     pub m: Vec3Lanes<N>,
-    /// Directions stretched to unit roughness.
+    /// The known directions, stretched to unit roughness.
     w: Vec3Lanes<N>,
     /// See [`VisibleSlope`].
     cos: [f32; N],
@@ -30,7 +31,7 @@ pub(super) struct NormalLanes<const N: usize> {
     target: [f32; N],
     along: [f32; N],
     across: [f32; N],
-    continues: [u32; N],
+    active: [u32; N],
 }
 
 impl<const N: usize> NormalLanes<N> {
@@ -47,50 +48,44 @@ impl<const N: usize> NormalLanes<N> {
         }
     }
 
-    /// Draws the normals of rough lobes.
-    pub fn draw<const VARIANT: u32>(
+    /// Samples the normals of rough lobes.
+    pub fn sample<const VARIANT: u32>(
         &mut self,
         simd: SimdLevel,
-        lobes: &LobeLanes<N>,
-        points: &PointLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
+        scattering: &ScatteringInputs<'_, N>,
     ) {
         if bsdf_variant::microfacets(VARIANT) == distribution::GGX {
-            draw_ggx::<VARIANT, N>(simd, lobes, points, numbers, segment, self);
+            sample_ggx::<VARIANT, N>(simd, scattering, self);
             return;
         }
-        begin_beckmann::<VARIANT, N>(simd, lobes, points, numbers, segment, self);
+        begin_beckmann::<VARIANT, N>(simd, scattering, self);
         for _ in 0..VisibleSlope::STEPS {
-            let mut continues = false;
-            step_beckmann(simd, segment, self, &mut continues);
-            if !continues {
+            let mut active = false;
+            step_beckmann(simd, scattering.segment, self, &mut active);
+            if !active {
                 break;
             }
         }
-        finish_beckmann::<VARIANT, N>(simd, lobes, numbers, segment, self);
+        finish_beckmann::<VARIANT, N>(simd, scattering, self);
     }
 }
 
-/// The direction that a rough lobe's normals are visible from.
+/// The direction from which the normals of a rough lobe are visible.
 #[inline(always)]
 fn viewer(lobe: &Lobe, wi: Vec3) -> Vec3 {
     above(mirrored(is_flipped(lobe, wi), wi))
 }
 
 multiversioned! {
-    fn draw_ggx<; const VARIANT: u32, const N: usize>(
-        lobes: &LobeLanes<N>,
-        points: &PointLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
+    fn sample_ggx<; const VARIANT: u32, const N: usize>(
+        scattering: &ScatteringInputs<'_, N>,
         normals: &mut NormalLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
-            let lobe = lobes.get::<VARIANT>(k);
+        for k in scattering.segment.padded::<N>() {
+            let lobe = scattering.lobes.get::<VARIANT>(k);
             let facets = lobe.microfacets();
-            let u = Vec2::new(numbers[4][k], numbers[5][k]);
-            let visible = facets.sample_visible_normal(viewer(&lobe, points.wi.get(k)), u);
+            let u = scattering.numbers.direction(k);
+            let visible = facets.sample_visible_normal(viewer(&lobe, scattering.points.wi.get(k)), u);
             let any = facets.sample_normal(u);
             let all = lobe.samples_all_normals();
             normals.m.set(k, if all { any } else { visible });
@@ -98,16 +93,13 @@ multiversioned! {
     }
 
     fn begin_beckmann<; const VARIANT: u32, const N: usize>(
-        lobes: &LobeLanes<N>,
-        points: &PointLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
+        scattering: &ScatteringInputs<'_, N>,
         normals: &mut NormalLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
-            let lobe = lobes.get::<VARIANT>(k);
-            let w = lobe.microfacets().stretched(viewer(&lobe, points.wi.get(k)));
-            let slope = VisibleSlope::new(w, Vec2::new(numbers[4][k], numbers[5][k]));
+        for k in scattering.segment.padded::<N>() {
+            let lobe = scattering.lobes.get::<VARIANT>(k);
+            let w = lobe.microfacets().stretched(viewer(&lobe, scattering.points.wi.get(k)));
+            let slope = VisibleSlope::new(w, scattering.numbers.direction(k));
             normals.w.set(k, w);
             normals.cos[k] = slope.cos;
             normals.sin[k] = slope.sin;
@@ -116,37 +108,35 @@ multiversioned! {
             normals.target[k] = slope.target;
             normals.along[k] = slope.along;
             normals.across[k] = slope.across;
-            normals.continues[k] = 1;
+            normals.active[k] = 1;
         }
     }
 
     fn step_beckmann<; const N: usize>(
         segment: Segment,
         normals: &mut NormalLanes<N>,
-        continues: &mut bool,
+        active: &mut bool,
     ) {
         let mut any = 0;
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let mut slope = normals.slope(k);
             let before = slope.along;
-            let continues = slope.step();
-            let went_on = normals.continues[k];
-            normals.along[k] = if went_on != 0 { slope.along } else { before };
-            let still = went_on & u32::from(continues);
-            normals.continues[k] = still;
-            any |= still;
+            let active = slope.step();
+            let was_active = normals.active[k];
+            normals.along[k] = if was_active != 0 { slope.along } else { before };
+            let remains = was_active & u32::from(active);
+            normals.active[k] = remains;
+            any |= remains;
         }
-        *continues = any != 0;
+        *active = any != 0;
     }
 
     fn finish_beckmann<; const VARIANT: u32, const N: usize>(
-        lobes: &LobeLanes<N>,
-        numbers: &[[f32; N]; 6],
-        segment: Segment,
+        scattering: &ScatteringInputs<'_, N>,
         normals: &mut NormalLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
-            let lobe = lobes.get::<VARIANT>(k);
+        for k in scattering.segment.padded::<N>() {
+            let lobe = scattering.lobes.get::<VARIANT>(k);
             let facets = lobe.microfacets();
             let w = normals.w.get(k);
             let h = normals.slope(k).normal(w);
@@ -156,7 +146,7 @@ multiversioned! {
             } else {
                 facets.unstretched(h)
             };
-            let any = facets.sample_normal(Vec2::new(numbers[4][k], numbers[5][k]));
+            let any = facets.sample_normal(scattering.numbers.direction(k));
             let all = lobe.samples_all_normals();
             normals.m.set(k, if all { any } else { visible });
         }

@@ -1,14 +1,15 @@
-//! The state of many paths, side by side.
+//! The states of paths, in lanes.
 
-use super::super::path::{Path, Scattering};
-use crate::math::Rgb;
+use super::segment::Segment;
+use crate::math::{Ray, Rgb};
 use crate::sampler::LaneSampler;
 use crate::scene::RayBatch;
 use crate::simd::lanes::{Vec3Lanes, gather, round_up_to_vector};
 use crate::simd::multiversioned;
+use crate::transport::path::{Path, Scattering};
 use bytemuck::Zeroable;
 
-/// Up to `N` paths; what they have gathered is kept by [`PathLanes::place`].
+/// Up to `N` paths. Their radiance is accumulated elsewhere, at [`PathLanes::index`].
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct PathLanes<const N: usize> {
@@ -26,18 +27,18 @@ pub(super) struct PathLanes<const N: usize> {
     pub depth: [u32; N],
     /// See [`Path::crossings`].
     pub crossings: [u32; N],
-    /// The words of the paths' samplers.
+    /// The words of the samplers.
     pub sampler: [[u32; N]; 4],
-    /// Which of the wave's paths it is.
-    pub place: [u32; N],
+    /// The number of the path in the wavefront.
+    pub index: [u32; N],
 }
 
 impl<const N: usize> PathLanes<N> {
-    /// Path `i`, the last one beyond the end, with no light gathered.
+    /// Path `i`, without its radiance; the last one if `i` is beyond the end.
     #[inline(always)]
     pub fn gather(&self, i: u32) -> Path {
         Path {
-            ray: crate::math::Ray {
+            ray: Ray {
                 origin: self.rays.origin.gather(i),
                 direction: self.rays.direction.gather(i),
                 t_min: gather(&self.rays.t_min, i),
@@ -56,7 +57,7 @@ impl<const N: usize> PathLanes<N> {
         }
     }
 
-    /// Sets path `i < N` but for its sampler and its place.
+    /// Sets path `i < N`, except for its sampler and its index.
     #[inline(always)]
     pub fn set(&mut self, i: usize, path: &Path) {
         self.rays.set(i, &path.ray);
@@ -69,7 +70,7 @@ impl<const N: usize> PathLanes<N> {
         self.crossings[i] = path.crossings;
     }
 
-    /// The sampler of path `i`, the last one beyond the end.
+    /// The sampler of path `i`; the last one if `i` is beyond the end.
     #[inline(always)]
     pub fn sampler<S: LaneSampler>(&self, i: u32) -> S {
         let [a, b, c, d] = &self.sampler;
@@ -94,9 +95,34 @@ impl<const N: usize> PathLanes<N> {
     }
 }
 
+/// The paths of a queue: slot `k` of its segment belongs to path `entries[k]`.
+#[derive(Clone, Copy)]
+pub(super) struct QueuedPaths<'a, const N: usize> {
+    pub paths: &'a PathLanes<N>,
+    pub entries: &'a [u32; N],
+    pub segment: Segment,
+}
+
+impl<const N: usize> QueuedPaths<'_, N> {
+    /// The number in the wavefront of the path in slot `k < N`.
+    #[inline(always)]
+    pub fn index(&self, k: usize) -> usize {
+        (gather(&self.paths.index, self.entries[k]) as usize).min(N - 1)
+    }
+}
+
+/// A bounce's results: the paths on their next rays, and which of them continue.
+#[repr(C, align(64))]
+#[derive(Zeroable)]
+pub(super) struct NextPathLanes<const N: usize> {
+    pub paths: PathLanes<N>,
+    /// 1 for paths that continue, 0 for those that have ended.
+    pub continues: [u32; N],
+}
+
 multiversioned! {
-    /// Makes `to` the first `count` paths of `list`.
-    pub(super) fn take<; const N: usize>(
+    /// Copies the paths at the first `count` entries of `list` to the front of `to`.
+    pub(super) fn compact<; const N: usize>(
         from: &PathLanes<N>,
         list: &[u32; N],
         count: usize,
@@ -109,7 +135,7 @@ multiversioned! {
             to.sampler[1][k] = gather(&from.sampler[1], i);
             to.sampler[2][k] = gather(&from.sampler[2], i);
             to.sampler[3][k] = gather(&from.sampler[3], i);
-            to.place[k] = gather(&from.place, i);
+            to.index[k] = gather(&from.index, i);
         }
     }
 }

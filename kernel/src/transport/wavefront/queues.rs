@@ -1,52 +1,72 @@
-//! Which paths of a wave take the same way through the code.
+//! Shading queues: paths sorted by the code that shades them.
+//!
+//! One queue holds the paths that escaped, one those that are shaded path by path (the fallback), and two each BSDF variant,
+//! without and with textures. Each queue occupies a segment of the slots that begins at a vector.
 
-use super::super::IntegratorSettings;
 use super::bsdf_variant;
-use super::paths::PathLanes;
+use super::paths::{PathLanes, QueuedPaths};
 use super::segment::Segment;
 use crate::math::field;
 use crate::scene::{HitBatch, NONE, Tables, material_flag, quadric_kind};
 use crate::simd::lanes::{VECTOR_WIDTH, round_up_to_vector};
 use crate::simd::{SimdLevel, multiversioned};
+use crate::transport::settings::IntegratorSettings;
 use bytemuck::Zeroable;
 
 /// Paths whose ray meets nothing.
-pub(super) const ESCAPING: u32 = 0;
-/// Paths of which each takes the way of a single one.
-pub(super) const GENERAL: u32 = 1;
-/// The first class of paths that scatter at a triangle or a sphere of the world with a plain material; see [`plain`].
-const PLAIN: u32 = 2;
-/// Number of classes.
-pub(super) const CLASSES: usize = (PLAIN + 2 * bsdf_variant::COUNT) as usize;
-/// Paths that end without anything to gather.
-const ENDING: u32 = CLASSES as u32;
-
-/// Added to the class of paths at spheres, which come behind the others.
+pub(super) const ESCAPED: usize = 0;
+/// Paths that are shaded one by one.
+pub(super) const FALLBACK: usize = 1;
+/// The first queue of paths that meet a triangle or a sphere of the world whose material is a BSDF variant; see [`queue_of`].
+const VARIANTS: u32 = 2;
+/// Number of queues.
+pub(super) const COUNT: usize = (VARIANTS + 2 * bsdf_variant::COUNT) as usize;
+/// In place of a queue: paths that end here and gain nothing.
+const NO_QUEUE: u32 = COUNT as u32;
+/// Added to the queue of paths that meet a sphere: their slots follow those of the triangles.
 const AT_SPHERE: u32 = 32;
 
-const _: () = assert!(ENDING < AT_SPHERE);
+const _: () = assert!(NO_QUEUE < AT_SPHERE);
 
-/// The class of plain materials of a form.
-pub(super) const fn plain(variant: u32, is_textured: bool) -> u32 {
-    PLAIN + 2 * variant + is_textured as u32
+/// The queue of a BSDF variant.
+pub(super) const fn queue_of(variant: u32, is_textured: bool) -> usize {
+    (VARIANTS + 2 * variant) as usize + is_textured as usize
 }
 
-/// Slots in the order of classes.
+/// What the rays of the first `count` paths have met.
+#[derive(Clone, Copy)]
+pub(super) struct TracedPaths<'a, const N: usize> {
+    pub paths: &'a PathLanes<N>,
+    pub hits: &'a HitBatch<N>,
+    pub count: usize,
+}
+
+/// The queues of paths, before their slots are assigned.
 #[repr(C, align(64))]
 #[derive(Zeroable)]
-pub(super) struct Classes<const N: usize> {
-    class: [u32; N],
-    /// The path in each slot.
-    pub list: [u32; N],
-    pub segments: [Segment; CLASSES],
-    /// The part of each segment whose paths are at spheres.
-    pub spheres: [Segment; CLASSES],
+struct Classification<const N: usize> {
+    /// The queue of each path.
+    queue: [u32; N],
+    /// Which queues have paths at triangles, and which at spheres, as bits.
+    present: [u32; 2],
 }
 
-impl<const N: usize> Classes<N> {
-    /// The most paths that surely find slots.
+/// The slots of all queues.
+#[repr(C, align(64))]
+#[derive(Zeroable)]
+pub(super) struct ShadingQueues<const N: usize> {
+    classification: Classification<N>,
+    /// The path in each slot.
+    pub entries: [u32; N],
+    pub segments: [Segment; COUNT],
+    /// The part of each segment whose paths are at spheres.
+    pub spheres: [Segment; COUNT],
+}
+
+impl<const N: usize> ShadingQueues<N> {
+    /// The most paths that are sure to find slots, however they are distributed over the queues.
     pub const fn capacity() -> usize {
-        let shared = N.saturating_sub((VECTOR_WIDTH - 1) * CLASSES);
+        let shared = N.saturating_sub((VECTOR_WIDTH - 1) * COUNT);
         if shared > N / VECTOR_WIDTH {
             shared
         } else {
@@ -54,85 +74,82 @@ impl<const N: usize> Classes<N> {
         }
     }
 
-    /// Sorts the first `count` paths by class.
+    /// The paths of a queue.
+    #[inline]
+    pub fn queued<'a>(&'a self, queue: usize, paths: &'a PathLanes<N>) -> QueuedPaths<'a, N> {
+        QueuedPaths {
+            paths,
+            entries: &self.entries,
+            segment: self.segments[queue],
+        }
+    }
+
+    /// Sorts the paths into queues.
     pub fn sort(
         &mut self,
         simd: SimdLevel,
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
-        paths: &PathLanes<N>,
-        hits: &HitBatch<N>,
-        count: usize,
+        traced: &TracedPaths<'_, N>,
     ) {
         let classify = match tables.quadrics {
             [] => classify::<false, N>,
             _ => classify::<true, N>,
         };
-        let mut present = [0; 2];
-        classify(
-            simd,
-            tables,
-            settings,
-            paths,
-            hits,
-            count,
-            &mut self.class,
-            &mut present,
-        );
-        let of = &self.class[..count.min(N)];
-        self.segments = [Segment::NONE; CLASSES];
-        self.spheres = [Segment::NONE; CLASSES];
+        classify(simd, tables, settings, traced, &mut self.classification);
+        let queues = &self.classification.queue[..traced.count.min(N)];
+        let present = self.classification.present;
+        self.segments = [Segment::NONE; COUNT];
+        self.spheres = [Segment::NONE; COUNT];
         let mut first = 0;
-        for class in 0..CLASSES as u32 {
+        for queue in 0..COUNT as u32 {
             let mut next = first;
-            let is_present = present.map(|classes| classes & (1 << class) != 0);
+            let is_present = present.map(|queues| queues & (1 << queue) != 0);
             if is_present[0] {
-                next = collect(of, class, &mut self.list, next);
+                next = collect(queues, queue, &mut self.entries, next);
             }
             if is_present[1] {
-                let behind = collect(of, class + AT_SPHERE, &mut self.list, next);
-                self.spheres[class as usize] = Segment::between(next, behind);
-                next = behind;
+                let end = collect(queues, queue + AT_SPHERE, &mut self.entries, next);
+                self.spheres[queue as usize] = Segment::between(next, end);
+                next = end;
             }
-            self.segments[class as usize] = Segment::between(first, next);
+            self.segments[queue as usize] = Segment::between(first, next);
             first = next.next_multiple_of(VECTOR_WIDTH);
         }
     }
 }
 
-/// Lists the indices of what is of a class, from place `next` of the list on; returns the place behind them.
+/// Writes the paths of a queue to `entries` from slot `next` on; returns the slot behind them.
 fn collect<const N: usize>(
-    classes: &[u32],
-    class: u32,
-    list: &mut [u32; N],
+    queues: &[u32],
+    queue: u32,
+    entries: &mut [u32; N],
     mut next: usize,
 ) -> usize {
-    // Without a branch on what comes when: the place behind the last is written again and again.
-    for (i, &of) in classes.iter().enumerate() {
+    // Without a branch on the queue: the slot behind the last entry is overwritten again and again.
+    for (i, &of) in queues.iter().enumerate() {
         if next < N {
-            list[next] = i as u32;
+            entries[next] = i as u32;
         }
-        next += usize::from(of == class);
+        next += usize::from(of == queue);
     }
     next.min(N)
 }
 
 multiversioned! {
-    /// The class of each path, and which there are, as bits, first without [`AT_SPHERE`]; with `QUADRICS` if the scene has any.
+    /// The queue of each path, plus [`AT_SPHERE`] at spheres; with `QUADRICS` if the scene has any.
     fn classify<; const QUADRICS: bool, const N: usize>(
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
-        paths: &PathLanes<N>,
-        hits: &HitBatch<N>,
-        count: usize,
-        classes: &mut [u32; N],
-        present: &mut [u32; 2],
+        traced: &TracedPaths<'_, N>,
+        classification: &mut Classification<N>,
     ) {
-        let (mut found, mut found_spheres) = (0, 0);
+        let (mut present, mut present_at_spheres) = (0, 0);
+        let (paths, hits) = (traced.paths, traced.hits);
         let triangle_count = tables.triangles.len() as u32;
         let is_strict = settings.strict_normals != 0;
         let hides = settings.hide_emitters != 0;
-        for i in 0..round_up_to_vector::<N>(count) {
+        for i in 0..round_up_to_vector::<N>(traced.count) {
             let primitive = hits.primitive[i];
             let mut shape = field(tables.triangles, primitive, |t| t.shape);
             let mut is_sphere = false;
@@ -148,27 +165,27 @@ multiversioned! {
             let flags = field(tables.materials, material, |m| m.flags);
             let variant = bsdf_variant::of_material(flags);
             let is_textured = (flags & material_flag::TEXTURED != 0) as u32;
-            let continues = paths.depth[i].wrapping_add(1) < settings.max_depth;
-            let is_lit = field(tables.shapes, shape, |s| s.emitter) != NONE;
-            let is_here =
+            let may_scatter = paths.depth[i].wrapping_add(1) < settings.max_depth;
+            let emits = field(tables.shapes, shape, |s| s.emitter) != NONE;
+            let is_in_world =
                 ((primitive < triangle_count) | is_sphere) & (hits.instance[i] == 0);
-            let is_plain = is_here
+            let has_loop = is_in_world
                 & (variant < bsdf_variant::COUNT)
                 & !is_strict
-                & !(is_lit & (hides | !continues));
-            let class = if is_plain {
-                PLAIN + 2 * variant + is_textured
+                & !(emits & (hides | !may_scatter));
+            let queue = if has_loop {
+                VARIANTS + 2 * variant + is_textured
             } else {
-                GENERAL
+                FALLBACK as u32
             };
-            let ends = is_here & !continues & !is_lit;
-            let class = if ends { ENDING } else { class };
-            let class = if hits.t[i] < f32::MAX { class } else { ESCAPING };
-            let is_apart = is_sphere & (class >= PLAIN);
-            classes[i] = if is_apart { class + AT_SPHERE } else { class };
-            found |= if is_apart { 0 } else { 1 << class };
-            found_spheres |= if is_apart { 1 << class } else { 0 };
+            let ends = is_in_world & !may_scatter & !emits;
+            let queue = if ends { NO_QUEUE } else { queue };
+            let queue = if hits.t[i] < f32::MAX { queue } else { ESCAPED as u32 };
+            let at_sphere = is_sphere & (queue >= VARIANTS);
+            classification.queue[i] = if at_sphere { queue + AT_SPHERE } else { queue };
+            present |= if at_sphere { 0 } else { 1 << queue };
+            present_at_spheres |= if at_sphere { 1 << queue } else { 0 };
         }
-        *present = [found, found_spheres];
+        classification.present = [present, present_at_spheres];
     }
 }

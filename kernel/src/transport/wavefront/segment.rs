@@ -1,11 +1,11 @@
-//! Runs of slots in a wave's arrays.
+//! Runs of slots in the arrays of a wavefront.
 
 use crate::simd::lanes::VECTOR_WIDTH;
 use bytemuck::Zeroable;
 use core::ops::Range;
 
-/// The slots of a class of paths: from a multiple of [`VECTOR_WIDTH`] on, up to another, of which the first `count` are taken. Parts of
-/// it begin anywhere.
+/// A run of slots, of which a queue's begins at a multiple of [`VECTOR_WIDTH`]. Loops over lanes run over whole vectors
+/// ([`Segment::padded`]); what they compute in slots that are not occupied is never read.
 #[derive(Clone, Copy, Zeroable)]
 pub(super) struct Segment {
     pub first: usize,
@@ -16,7 +16,7 @@ impl Segment {
     /// No slot.
     pub const NONE: Segment = Segment { first: 0, count: 0 };
 
-    /// The slots from `first` on below `end`, which is no less.
+    /// The slots from `first` up to `end`, which is not less.
     pub fn between(first: usize, end: usize) -> Segment {
         Segment {
             first,
@@ -24,18 +24,18 @@ impl Segment {
         }
     }
 
-    /// All slots, in whole vectors.
+    /// The slots extended to whole vectors.
     #[inline(always)]
-    pub fn slots<const N: usize>(self) -> Range<usize> {
+    pub fn padded<const N: usize>(self) -> Range<usize> {
         let first = self.first & !(VECTOR_WIDTH - 1);
         let end = (self.first + self.count + (VECTOR_WIDTH - 1)) & !(VECTOR_WIDTH - 1);
         let capacity = N & !(VECTOR_WIDTH - 1);
         first..if end < capacity { end } else { capacity }
     }
 
-    /// The slots that are taken.
+    /// The slots themselves.
     #[inline(always)]
-    pub fn taken<const N: usize>(self) -> Range<usize> {
+    pub fn occupied<const N: usize>(self) -> Range<usize> {
         let end = self.first + self.count;
         self.first..if end < N { end } else { N }
     }

@@ -1,214 +1,231 @@
-//! A bounce of paths that meet plain materials.
+//! Shading of the queues that belong to BSDF variants: one bounce of [`crate::transport::path`] as a sequence of loops over
+//! lanes.
+//!
+//! In the order of a single path: surface point, emission, lobe, emitter sample, scattered direction.
 
+use super::bsdf_samples::{self, SampleLanes};
 use super::bsdf_variant;
-use super::emitter_samples::LightLanes;
-use super::environment::Scratch;
+use super::cdf_search::SearchLanes;
+use super::emitter_samples::{EmitterSampleLanes, References};
+use super::environment::{EnvironmentLanes, Scratch};
 use super::lobes::{self, LobeLanes};
-use super::paths::PathLanes;
-use super::queues::plain;
+use super::microfacet_normals::NormalLanes;
+use super::paths::{NextPathLanes, QueuedPaths};
+use super::random_numbers::{self, NumberLanes};
+use super::scattering::ScatteringInputs;
 use super::segment::Segment;
+use super::shadow_rays::ShadowRayLanes;
 use super::surfaces::{self, PointLanes};
-use super::{ShadowRayLanes, Wavefront, bsdf_samples};
+use super::textures::TextureLanes;
 use crate::bsdf::lobe::is_delta;
 use crate::bsdf::mixture;
+use crate::math::Rgb;
 use crate::sampler::LaneSampler;
-use crate::scene::{NONE, Tables};
-use crate::simd::lanes::gather;
+use crate::scene::{HitBatch, NONE, Tables};
+use crate::simd::lanes::{Vec3Lanes, gather};
 use crate::simd::{SimdLevel, multiversioned};
-use crate::transport::IntegratorSettings;
 use crate::transport::connection::{Connection, SampleCounts, weighted_contribution};
 use crate::transport::path::ShadowRay;
+use crate::transport::settings::IntegratorSettings;
+use bytemuck::Zeroable;
 
-impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
-    /// The bounce of all paths that meet plain materials of a form.
-    pub(super) fn plain<const VARIANT: u32>(
+/// What shading keeps between its loops, by slot.
+#[repr(C, align(64))]
+#[derive(Zeroable)]
+pub(super) struct ShadingLanes<const N: usize> {
+    points: PointLanes<N>,
+    lobes: LobeLanes<N>,
+    numbers: NumberLanes<N>,
+    normals: NormalLanes<N>,
+    samples: SampleLanes<N>,
+    lights: EmitterSampleLanes<N>,
+    environment: EnvironmentLanes<N>,
+    searches: SearchLanes<N>,
+    textures: TextureLanes<N>,
+    gain: Vec3Lanes<N>,
+}
+
+/// A queue of a BSDF variant.
+#[derive(Clone, Copy)]
+pub(super) struct VariantQueue<'a, const N: usize> {
+    pub queued: QueuedPaths<'a, N>,
+    /// What the paths, by their own indices, have met.
+    pub hits: &'a HitBatch<N>,
+    /// The part of the segment whose paths are at spheres; the rest is at triangles.
+    pub spheres: Segment,
+    pub is_textured: bool,
+}
+
+/// What a bounce makes of a queue, by slot.
+pub(super) struct Shaded<'a, const N: usize> {
+    pub next: &'a mut NextPathLanes<N>,
+    pub shadow_rays: &'a mut ShadowRayLanes<N>,
+    /// Radiance of all paths, by their numbers in the wavefront.
+    pub radiance: &'a mut [Rgb; N],
+}
+
+impl<const N: usize> ShadingLanes<N> {
+    /// Searches, for the camera rays.
+    pub fn searches(&mut self) -> &mut SearchLanes<N> {
+        &mut self.searches
+    }
+
+    /// Adds the environment's radiance to escaped paths.
+    pub fn shade_escaped(
         &mut self,
         simd: SimdLevel,
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
+        queued: &QueuedPaths<'_, N>,
+        radiance: &mut [Rgb; N],
     ) {
-        for is_textured in [false, true] {
-            let class = plain(VARIANT, is_textured) as usize;
-            if self.classes.segments[class].count > 0 {
-                self.plain_class::<VARIANT>(simd, tables, settings, class, is_textured);
-            }
+        self.environment
+            .look_up(simd, tables, queued, &mut self.textures);
+        let (environment, gain) = (&self.environment, &mut self.gain);
+        super::environment::weighted_radiance(simd, tables, settings, queued, environment, gain);
+        for k in queued.segment.occupied::<N>() {
+            radiance[queued.index(k)] += self.gain.get(k);
         }
     }
 
-    fn plain_class<const VARIANT: u32>(
+    /// One bounce of the paths of a variant's queue.
+    pub fn shade<S: LaneSampler, const VARIANT: u32>(
         &mut self,
         simd: SimdLevel,
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
-        class: usize,
-        is_textured: bool,
+        queue: &VariantQueue<'_, N>,
+        shaded: Shaded<'_, N>,
     ) {
-        let list = &self.classes.list;
-        let (segment, spheres) = (self.classes.segments[class], self.classes.spheres[class]);
+        let queued = &queue.queued;
+        let segment = queued.segment;
+        self.look_up_surfaces(simd, tables, queue);
+        self.add_emission(tables, queued, shaded.radiance);
+        lobes::look_up::<VARIANT, N>(simd, tables, &self.points, segment, &mut self.lobes);
+        if queue.is_textured {
+            let (points, textures) = (&self.points, &mut self.textures);
+            self.lobes
+                .look_up_textures::<VARIANT>(simd, tables, points, segment, textures);
+        }
+        let (next, numbers) = (&mut shaded.next.paths, &mut self.numbers);
+        if is_delta(bsdf_variant::kind(VARIANT)) {
+            random_numbers::draw::<S, false, N>(simd, queued, next, numbers);
+            shaded.shadow_rays.clear(segment);
+        } else {
+            random_numbers::draw::<S, true, N>(simd, queued, next, numbers);
+            self.sample_emitters::<VARIANT>(simd, tables, queued, shaded.shadow_rays);
+        }
+        let inputs = ScatteringInputs {
+            points: &self.points,
+            lobes: &self.lobes,
+            numbers: &self.numbers,
+            segment,
+        };
+        if bsdf_variant::is_rough(VARIANT) {
+            self.normals.sample::<VARIANT>(simd, &inputs);
+        }
+        let (normals, samples) = (&self.normals, &mut self.samples);
+        bsdf_samples::sample::<VARIANT, N>(simd, tables.data, &inputs, normals, samples);
+        let (points, samples) = (&self.points, &self.samples);
+        bsdf_samples::continue_along::<S, N>(simd, settings, queued, points, samples, shaded.next);
+    }
+
+    fn look_up_surfaces(
+        &mut self,
+        simd: SimdLevel,
+        tables: &Tables<'_>,
+        queue: &VariantQueue<'_, N>,
+    ) {
         let on_triangles = match (tables.normals.is_empty(), tables.uvs.is_empty()) {
             (false, false) => surfaces::on_triangles::<true, true, N>,
             (false, true) => surfaces::on_triangles::<true, false, N>,
             (true, false) => surfaces::on_triangles::<false, true, N>,
             (true, true) => surfaces::on_triangles::<false, false, N>,
         };
-        on_triangles(
-            simd,
-            tables,
-            &self.paths,
-            &self.hits,
-            list,
-            segment,
-            &mut self.points,
-        );
-        if spheres.count > 0 {
-            let (paths, hits) = (&self.paths, &self.hits);
-            surfaces::on_spheres(simd, tables, paths, hits, list, spheres, &mut self.points);
+        let (queued, hits) = (&queue.queued, queue.hits);
+        on_triangles(simd, tables, queued, hits, &mut self.points);
+        if queue.spheres.count > 0 {
+            surfaces::on_spheres(simd, tables, queued, hits, queue.spheres, &mut self.points);
         }
-        self.emission(tables, segment);
-        lobes::look_up::<VARIANT, N>(simd, tables, &self.points, segment, &mut self.lobes);
-        if is_textured {
-            let (points, textures) = (&self.points, &mut self.textures);
-            self.lobes
-                .look_up_textures::<VARIANT>(simd, tables, points, segment, textures);
-        }
-        let list = &self.classes.list;
-        draw::<S, N>(
-            simd,
-            &self.paths,
-            list,
-            segment,
-            !is_delta(bsdf_variant::kind(VARIANT)),
-            &mut self.next,
-            &mut self.numbers,
-        );
-        if is_delta(bsdf_variant::kind(VARIANT)) {
-            for k in segment.slots::<N>() {
-                self.shadow_rays.radiance.x[k] = 0.0;
-                self.shadow_rays.radiance.y[k] = 0.0;
-                self.shadow_rays.radiance.z[k] = 0.0;
-            }
-        } else {
-            self.lights.choose(
-                simd,
-                tables,
-                &self.points,
-                &self.numbers,
-                segment,
-                &mut self.environment,
-                Scratch {
-                    searches: &mut self.searches,
-                    textures: &mut self.textures,
-                },
-            );
-            weigh::<VARIANT, N>(
-                simd,
-                tables,
-                &self.paths,
-                list,
-                &self.points,
-                &self.lobes,
-                &self.lights,
-                segment,
-                &mut self.shadow_rays,
-            );
-        }
-        if bsdf_variant::is_rough(VARIANT) {
-            self.normals
-                .draw::<VARIANT>(simd, &self.lobes, &self.points, &self.numbers, segment);
-        }
-        bsdf_samples::sample::<VARIANT, N>(
-            simd,
-            tables.data,
-            &self.points,
-            &self.lobes,
-            &self.normals,
-            &self.numbers,
-            segment,
-            &mut self.samples,
-        );
-        bsdf_samples::scatter_along::<S, N>(
-            simd,
-            settings,
-            &self.paths,
-            list,
-            &self.points,
-            &self.samples,
-            segment,
-            &mut self.next,
-            &mut self.continues,
-        );
     }
 
-    /// Light that the surfaces themselves emit.
-    fn emission(&mut self, tables: &Tables<'_>, segment: Segment) {
-        for k in segment.taken::<N>() {
+    /// Adds the emission of the surfaces, weighted against emitter samples. Few paths meet an emitter: slot by slot.
+    fn add_emission(
+        &mut self,
+        tables: &Tables<'_>,
+        queued: &QueuedPaths<'_, N>,
+        radiance: &mut [Rgb; N],
+    ) {
+        for k in queued.segment.occupied::<N>() {
             if self.points.emitter[k] != NONE {
-                let i = self.classes.list[k];
-                let mut path = self.paths.gather(i);
+                let mut path = queued.paths.gather(queued.entries[k]);
                 path.add_emission(tables, &self.points.get(k));
-                self.accumulate(i, path.radiance);
+                radiance[queued.index(k)] += path.radiance;
             }
         }
+    }
+
+    /// Shadow rays to emitter samples.
+    fn sample_emitters<const VARIANT: u32>(
+        &mut self,
+        simd: SimdLevel,
+        tables: &Tables<'_>,
+        queued: &QueuedPaths<'_, N>,
+        shadow_rays: &mut ShadowRayLanes<N>,
+    ) {
+        let at = References {
+            points: &self.points,
+            numbers: &self.numbers,
+            segment: queued.segment,
+        };
+        let scratch = Scratch {
+            searches: &mut self.searches,
+            textures: &mut self.textures,
+        };
+        self.lights
+            .sample(simd, tables, &at, &mut self.environment, scratch);
+        let lit = LitSurfaces {
+            points: &self.points,
+            lobes: &self.lobes,
+            lights: &self.lights,
+        };
+        evaluate_lights::<VARIANT, N>(simd, tables, queued, &lit, shadow_rays);
     }
 }
 
-multiversioned! {
-    /// Takes the samplers of the paths, if `draws` the numbers that choose an emitter point, and those that choose a
-    /// direction.
-    fn draw<S: LaneSampler; const N: usize>(
-        paths: &PathLanes<N>,
-        list: &[u32; N],
-        segment: Segment,
-        draws: bool,
-        next: &mut PathLanes<N>,
-        numbers: &mut [[f32; N]; 6],
-    ) {
-        for k in segment.slots::<N>() {
-            let i = list[k];
-            let mut sampler = paths.sampler::<S>(i);
-            if draws {
-                numbers[0][k] = sampler.next_1d();
-                let u = sampler.next_2d();
-                numbers[1][k] = u.x;
-                numbers[2][k] = u.y;
-            }
-            numbers[3][k] = sampler.next_1d();
-            let u = sampler.next_2d();
-            numbers[4][k] = u.x;
-            numbers[5][k] = u.y;
-            next.set_sampler(k, sampler);
-            next.place[k] = gather(&paths.place, i);
-        }
-    }
+/// Surfaces and the emitter samples that light them.
+#[derive(Clone, Copy)]
+struct LitSurfaces<'a, const N: usize> {
+    points: &'a PointLanes<N>,
+    lobes: &'a LobeLanes<N>,
+    lights: &'a EmitterSampleLanes<N>,
+}
 
-    /// What the chosen emitter points add.
-    fn weigh<; const VARIANT: u32, const N: usize>(
+multiversioned! {
+    /// Evaluates the lobes towards the emitter samples and weights the result against BSDF samples.
+    fn evaluate_lights<; const VARIANT: u32, const N: usize>(
         tables: &Tables<'_>,
-        paths: &PathLanes<N>,
-        list: &[u32; N],
-        points: &PointLanes<N>,
-        lobes: &LobeLanes<N>,
-        lights: &LightLanes<N>,
-        segment: Segment,
+        queued: &QueuedPaths<'_, N>,
+        lit: &LitSurfaces<'_, N>,
         shadow_rays: &mut ShadowRayLanes<N>,
     ) {
-        for k in segment.slots::<N>() {
-            let i = list[k];
-            let lobe = lobes.get::<VARIANT>(k);
-            let (point, wi) = (points.get(k), points.wi.get(k));
-            let light = lights.get(k);
+        for k in queued.segment.padded::<N>() {
+            let i = queued.entries[k];
+            let lobe = lit.lobes.get::<VARIANT>(k);
+            let (point, wi) = (lit.points.get(k), lit.points.wi.get(k));
+            let light = lit.lights.get(k);
             let wo = point.frame.to_local(light.direction);
             let (value, pdf) = mixture::plain::eval_cosine_pdf(&lobe, tables.data, wi, wo);
             let mut connection = weighted_contribution(&light, &point, SampleCounts::ONE, value, pdf);
             if !light.is_some() || value.max_element() <= 0.0 {
                 connection = Connection::NONE;
             }
-            let arrival = ShadowRay {
+            let shadow_ray = ShadowRay {
                 connection,
-                throughput: paths.throughput.gather(i),
+                throughput: queued.paths.throughput.gather(i),
             };
-            shadow_rays.set(k, &arrival);
-            shadow_rays.place[k] = gather(&paths.place, i);
+            shadow_rays.set(k, &shadow_ray);
+            shadow_rays.index[k] = gather(&queued.paths.index, i);
         }
     }
 }

@@ -1,46 +1,53 @@
-//! Light that may reach many paths, side by side, and that what does.
+//! Shadow rays, in lanes: emitter samples whose visibility is unknown, and the accumulation of those that are visible.
 
-use super::super::path::ShadowRay;
 use super::segment::Segment;
 use crate::math::{Ray, Rgb};
 use crate::scene::{HitBatch, RayBatch};
 use crate::simd::lanes::{Vec3Lanes, gather, round_up_to_vector};
 use crate::simd::multiversioned;
+use crate::transport::path::ShadowRay;
 use bytemuck::Zeroable;
 
-/// Up to `N` segments to emitters.
+/// Up to `N` shadow rays.
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct ShadowRayLanes<const N: usize> {
-    /// The segments.
+    /// The segments to the emitters.
     pub rays: RayBatch<N>,
-    /// What arrives where nothing is in the way.
+    /// What they contribute if nothing occludes them.
     pub radiance: Vec3Lanes<N>,
-    /// Where it is gathered.
-    pub place: [u32; N],
+    /// The paths that they contribute to.
+    pub index: [u32; N],
 }
 
 impl<const N: usize> ShadowRayLanes<N> {
-    /// Sets slot `k < N` but for its place.
+    /// Sets slot `k < N`, except for its index.
     #[inline(always)]
-    pub fn set(&mut self, k: usize, arrival: &ShadowRay) {
-        self.rays.set(k, &arrival.connection.ray);
+    pub fn set(&mut self, k: usize, shadow_ray: &ShadowRay) {
+        self.rays.set(k, &shadow_ray.connection.ray);
         self.radiance
-            .set(k, arrival.throughput * arrival.connection.radiance);
+            .set(k, shadow_ray.throughput * shadow_ray.connection.radiance);
     }
 
-    /// Whether there is light at slot `k < N`.
+    /// Shadow rays without a contribution in the slots of a segment.
+    pub fn clear(&mut self, segment: Segment) {
+        for k in segment.padded::<N>() {
+            self.radiance.set(k, Rgb::ZERO);
+        }
+    }
+
+    /// Whether slot `k < N` has anything to contribute.
     #[inline(always)]
     pub fn is_lit(&self, k: usize) -> bool {
         self.radiance.get(k).max_element() > 0.0
     }
 
-    /// The slots of a segment where there is light, appended to the first `count` of `list`; returns how many there are
-    /// then.
+    /// Appends the slots of a segment that have something to contribute to the first `count` of `list`; returns the new
+    /// count.
     #[inline(always)]
     pub fn list_lit(&self, segment: Segment, list: &mut [u32; N], count: usize) -> usize {
         let mut count = count;
-        for k in segment.taken::<N>() {
+        for k in segment.occupied::<N>() {
             if count < N {
                 list[count] = k as u32;
             }
@@ -49,21 +56,21 @@ impl<const N: usize> ShadowRayLanes<N> {
         count.min(N)
     }
 
-    /// Gathers the light of the first `count` where nothing is in the way.
+    /// Adds the contributions of the first `count` where nothing occludes.
     #[inline(always)]
-    pub fn accumulate(&self, obstacles: &HitBatch<N>, count: usize, radiance: &mut [Rgb; N]) {
+    pub fn accumulate(&self, occluders: &HitBatch<N>, count: usize, radiance: &mut [Rgb; N]) {
         for j in 0..count.min(N) {
-            if !obstacles.is_hit(j) {
-                let place = (self.place[j] as usize).min(N - 1);
-                radiance[place] += self.radiance.get(j);
+            if !occluders.is_hit(j) {
+                let i = (self.index[j] as usize).min(N - 1);
+                radiance[i] += self.radiance.get(j);
             }
         }
     }
 }
 
 multiversioned! {
-    /// Makes `to` the first `count` of `list`.
-    pub(super) fn take<; const N: usize>(
+    /// Copies the shadow rays at the first `count` entries of `list` to the front of `to`.
+    pub(super) fn compact<; const N: usize>(
         from: &ShadowRayLanes<N>,
         list: &[u32; N],
         count: usize,
@@ -79,7 +86,7 @@ multiversioned! {
             };
             to.rays.set(j, &ray);
             to.radiance.set(j, from.radiance.gather(k));
-            to.place[j] = gather(&from.place, k);
+            to.index[j] = gather(&from.index, k);
         }
     }
 }

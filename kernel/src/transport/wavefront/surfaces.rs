@@ -1,6 +1,6 @@
-//! Surface points of many paths, side by side.
+//! Surface points, in lanes.
 
-use super::paths::PathLanes;
+use super::paths::QueuedPaths;
 use super::segment::Segment;
 use crate::math::affine::{transform_point, transform_vector};
 use crate::math::{Frame, field};
@@ -13,7 +13,7 @@ use crate::simd::multiversioned;
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 
-/// Where up to `N` paths have arrived.
+/// The surface points at which up to `N` paths have arrived.
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct PointLanes<const N: usize> {
@@ -76,14 +76,11 @@ impl<const N: usize> PointLanes<N> {
 }
 
 multiversioned! {
-    /// The points on triangles of the world where the paths of `list` in a segment arrive; without `NORMALS` or `UVS` if no mesh
-    /// has them.
+    /// Points on triangles of the world; without `NORMALS` or `UVS` if no mesh has them.
     pub(super) fn on_triangles<; const NORMALS: bool, const UVS: bool, const N: usize>(
         tables: &Tables<'_>,
-        paths: &PathLanes<N>,
+        queued: &QueuedPaths<'_, N>,
         hits: &HitBatch<N>,
-        list: &[u32; N],
-        segment: Segment,
         points: &mut PointLanes<N>,
     ) {
         let tables = Tables {
@@ -91,8 +88,8 @@ multiversioned! {
             uvs: if UVS { tables.uvs } else { &[] },
             ..*tables
         };
-        for k in segment.slots::<N>() {
-            let i = list[k];
+        for k in queued.segment.padded::<N>() {
+            let i = queued.entries[k];
             let point = triangle_point_with::<{ detail::TANGENTS }>(
                 &tables,
                 gather(&hits.primitive, i),
@@ -100,33 +97,32 @@ multiversioned! {
                 gather(&hits.b2, i),
             );
             points.set(k, &point);
-            let back: Vec3 = -paths.rays.direction.gather(i);
+            let back: Vec3 = -queued.paths.rays.direction.gather(i);
             points.wi.set(k, point.frame.to_local(back));
         }
     }
 
-    /// The points on spheres of the world where the paths of a part of a segment arrive.
+    /// Points on spheres of the world, in a part of the queue's segment.
     pub(super) fn on_spheres<; const N: usize>(
         tables: &Tables<'_>,
-        paths: &PathLanes<N>,
+        queued: &QueuedPaths<'_, N>,
         hits: &HitBatch<N>,
-        list: &[u32; N],
         part: Segment,
         points: &mut PointLanes<N>,
     ) {
         let triangle_count = tables.triangles.len() as u32;
-        for k in part.slots::<N>() {
-            let i = list[k];
+        for k in part.padded::<N>() {
+            let i = queued.entries[k];
             let quadric = gather(&hits.primitive, i).wrapping_sub(triangle_count);
             let to_object = field(tables.quadrics, quadric, |q| q.to_object);
-            let origin = transform_point(&to_object, paths.rays.origin.gather(i));
-            let direction = transform_vector(&to_object, paths.rays.direction.gather(i));
+            let origin = transform_point(&to_object, queued.paths.rays.origin.gather(i));
+            let direction = transform_vector(&to_object, queued.paths.rays.direction.gather(i));
             let p = origin + direction * gather(&hits.t, i);
             let point = sphere_point_with::<{ detail::TANGENTS }>(tables, quadric, p);
-            // Slots in front of the part have points on triangles.
+            // Slots of the first vector in front of the part hold points on triangles.
             if k >= part.first {
                 points.set(k, &point);
-                let back: Vec3 = -paths.rays.direction.gather(i);
+                let back: Vec3 = -queued.paths.rays.direction.gather(i);
                 points.wi.set(k, point.frame.to_local(back));
             }
         }

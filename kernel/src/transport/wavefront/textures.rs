@@ -1,4 +1,6 @@
-//! Lookups of textures, side by side: [`crate::scene::texture`].
+//! Texture lookups, in lanes: [`crate::scene::texture`].
+//!
+//! Nested textures are descended level by level; bitmaps then have a loop, and attributes of meshes are looked up slot by slot.
 
 use super::segment::Segment;
 use super::surfaces::PointLanes;
@@ -17,13 +19,13 @@ use glam::{Vec2, Vec3};
 pub(super) struct TextureLanes<const N: usize> {
     /// The texture, or [`NONE`].
     pub texture: [u32; N],
-    /// What was found; one where there is no texture.
+    /// The value that was found; one without a texture.
     pub value: Vec3Lanes<N>,
 }
 
 impl<const N: usize> TextureLanes<N> {
-    /// Looks up the textures at `uv`. Attributes of meshes are those of the `points`, zero without them. What
-    /// [`TextureLanes::texture`] holds then is of no meaning.
+    /// Looks up the textures at `uv`, and overwrites [`TextureLanes::texture`]. Attributes of meshes are those of the `points`,
+    /// zero without them.
     pub fn look_up(
         &mut self,
         simd: SimdLevel,
@@ -32,26 +34,34 @@ impl<const N: usize> TextureLanes<N> {
         uv: &[[f32; N]; 2],
         points: Option<&PointLanes<N>>,
     ) {
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             self.value.x[k] = 1.0;
             self.value.y[k] = 1.0;
             self.value.z[k] = 1.0;
         }
         let mut is_done = false;
-        // A single lookup ends at the last texture that it looks at if that leads on.
+        // As in a single lookup: a texture that is still nested at the last level is black.
         for _ in 1..MAX_NESTING {
-            let mut leads_on = 0;
+            let mut is_nested_further = 0;
             let (texture, value) = (&mut self.texture, &mut self.value);
-            follow(simd, tables, segment, uv, texture, value, &mut leads_on);
-            is_done = leads_on == 0;
+            descend(
+                simd,
+                tables,
+                segment,
+                uv,
+                texture,
+                value,
+                &mut is_nested_further,
+            );
+            is_done = is_nested_further == 0;
             if is_done {
                 break;
             }
         }
         if !is_done {
-            self.give_up(tables, segment);
+            self.set_too_deep_to_black(tables, segment);
         }
-        let mut rest = 0;
+        let mut others = 0;
         bitmaps(
             simd,
             tables,
@@ -59,17 +69,17 @@ impl<const N: usize> TextureLanes<N> {
             uv,
             &self.texture,
             &mut self.value,
-            &mut rest,
+            &mut others,
         );
-        if rest != 0 {
+        if others != 0 {
             self.attributes(tables, segment, points);
         }
     }
 
-    /// Black where textures are nested too deeply.
+    /// Black for textures that are nested too deeply.
     #[inline(never)]
-    fn give_up(&mut self, tables: &Tables<'_>, segment: Segment) {
-        for k in segment.taken::<N>() {
+    fn set_too_deep_to_black(&mut self, tables: &Tables<'_>, segment: Segment) {
+        for k in segment.occupied::<N>() {
             if is_nested(field(tables.textures, self.texture[k], |t| t.kind)) {
                 self.value.set(k, Rgb::ZERO);
                 self.texture[k] = NONE;
@@ -77,7 +87,7 @@ impl<const N: usize> TextureLanes<N> {
         }
     }
 
-    /// Attributes of meshes, one after the other.
+    /// Attributes of meshes, slot by slot.
     #[inline(never)]
     fn attributes(
         &mut self,
@@ -85,7 +95,7 @@ impl<const N: usize> TextureLanes<N> {
         segment: Segment,
         points: Option<&PointLanes<N>>,
     ) {
-        for k in segment.taken::<N>() {
+        for k in segment.occupied::<N>() {
             let texture = self.texture[k];
             let kind = field(tables.textures, texture, |t| t.kind);
             if texture != NONE && kind != texture_kind::BITMAP {
@@ -99,7 +109,7 @@ impl<const N: usize> TextureLanes<N> {
     }
 }
 
-/// Coordinates by the map of texture `i`.
+/// Coordinates under the transformation of texture `i`.
 #[inline(always)]
 fn transformed(tables: &Tables<'_>, i: u32, uv: Vec2) -> Vec2 {
     let m = [
@@ -114,17 +124,17 @@ fn transformed(tables: &Tables<'_>, i: u32, uv: Vec2) -> Vec2 {
 }
 
 multiversioned! {
-    /// Follows nested textures by one level, and says whether there were any.
-    fn follow<; const N: usize>(
+    /// Descends nested textures by one level; reports whether there were any.
+    fn descend<; const N: usize>(
         tables: &Tables<'_>,
         segment: Segment,
         uv: &[[f32; N]; 2],
         textures: &mut [u32; N],
         values: &mut Vec3Lanes<N>,
-        leads_on: &mut u32,
+        is_nested_further: &mut u32,
     ) {
         let mut found = 0;
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let i = textures[k];
             let kind = field(tables.textures, i, |t| t.kind);
             let is_nested = is_nested(kind);
@@ -144,20 +154,20 @@ multiversioned! {
             values.set(k, values.get(k) * factor);
             found |= is_nested as u32;
         }
-        *leads_on = found;
+        *is_nested_further = found;
     }
 
-    /// Bitmaps among the textures; says whether there are other textures.
+    /// Looks up the bitmaps among the textures; reports whether there are others.
     fn bitmaps<; const N: usize>(
         tables: &Tables<'_>,
         segment: Segment,
         uv: &[[f32; N]; 2],
         textures: &[u32; N],
         values: &mut Vec3Lanes<N>,
-        rest: &mut u32,
+        any_others: &mut u32,
     ) {
         let mut others = 0;
-        for k in segment.slots::<N>() {
+        for k in segment.padded::<N>() {
             let i = textures[k];
             let is_some = i < tables.textures.len() as u32;
             let is_bitmap = is_some & (field(tables.textures, i, |t| t.kind) == texture_kind::BITMAP);
@@ -167,6 +177,6 @@ multiversioned! {
             values.set(k, values.get(k) * factor);
             others |= (is_some & !is_bitmap) as u32;
         }
-        *rest = others;
+        *any_others = others;
     }
 }

@@ -1,0 +1,242 @@
+//! The driver of a wavefront: rays are traced for all paths, then each queue is shaded, bounce by bounce.
+
+use super::bsdf_variant;
+use super::camera_rays::FilmLanes;
+use super::paths::{self, NextPathLanes, PathLanes};
+use super::queues::{self, ShadingQueues, TracedPaths, queue_of};
+use super::shading::{Shaded, ShadingLanes, VariantQueue};
+use super::shadow_rays::{self, ShadowRayLanes};
+use crate::bsdf::Bsdf;
+use crate::math::Rgb;
+use crate::sampler::LaneSampler;
+use crate::scene::{HitBatch, NONE, SceneView, Tables, Traverse, scene_flag};
+use crate::simd::SimdLevel;
+use crate::transport::path::{ShadowRay, step};
+use crate::transport::settings::IntegratorSettings;
+use crate::transport::visibility::transmittance;
+use bytemuck::Zeroable;
+use core::marker::PhantomData;
+
+/// A wavefront of paths in `N` slots, of which [`Wavefront::CAPACITY`] are sure to find one; zeros are an empty wavefront.
+#[repr(C, align(64))]
+#[derive(Zeroable)]
+pub struct Wavefront<S, const N: usize> {
+    count: u32,
+    film: FilmLanes<N>,
+    /// The paths that continue.
+    paths: PathLanes<N>,
+    hits: HitBatch<N>,
+    queues: ShadingQueues<N>,
+    /// Results of a bounce, by the slots of the queues.
+    shading: ShadingLanes<N>,
+    next: NextPathLanes<N>,
+    shadow_rays: ShadowRayLanes<N>,
+    /// Slots of the paths that continue, or of the shadow rays to be traced.
+    list: [u32; N],
+    /// The shadow rays without gaps.
+    traced: ShadowRayLanes<N>,
+    /// Radiance of each path, in the order in which the paths were added.
+    radiance: [Rgb; N],
+    sampler: PhantomData<S>,
+}
+
+impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
+    /// The most paths that are sure to find a slot each.
+    pub const CAPACITY: usize = ShadingQueues::<N>::capacity();
+
+    /// Whether there is no room for another path.
+    pub fn is_full(&self) -> bool {
+        self.count as usize >= Self::CAPACITY
+    }
+
+    /// Adds a sample of the pixel at absolute film coordinates, if there is room; the numbers of the sampler are those of
+    /// [`sample_pixel`](crate::transport::sample_pixel).
+    pub fn push(&mut self, pixel: [u32; 2], sampler: S) {
+        self.push_samples(pixel, 1, |_| sampler);
+    }
+
+    /// Adds samples 0, 1, ... of a pixel with the samplers of their numbers, as many of `count` as there is room for; returns
+    /// how many.
+    #[inline]
+    pub fn push_samples(&mut self, pixel: [u32; 2], count: u32, sampler: impl Fn(u32) -> S) -> u32 {
+        let first = (self.count as usize).min(Self::CAPACITY);
+        let count = count.min((Self::CAPACITY - first) as u32);
+        for i in 0..count {
+            self.paths.set_sampler(first + i as usize, sampler(i));
+        }
+        let added = first..first + count as usize;
+        self.film.pixel[0][added.clone()].fill(pixel[0]);
+        self.film.pixel[1][added].fill(pixel[1]);
+        self.count += count;
+        count
+    }
+
+    /// Traces the paths to their ends. Returns [`sample_pixel`](crate::transport::sample_pixel) of each, in the order in
+    /// which they were added, and leaves the wavefront empty.
+    pub fn run<T: Traverse>(
+        &mut self,
+        simd: SimdLevel,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+    ) -> &[Rgb] {
+        let count = self.count as usize;
+        self.count = 0;
+        let searches = self.shading.searches();
+        self.film
+            .generate::<S>(simd, &view.tables, count, searches, &mut self.paths);
+        self.radiance[..count].fill(Rgb::ZERO);
+        let mut active = if settings.max_depth > 0 { count } else { 0 };
+        while active > 0 {
+            active = self.bounce(simd, view, settings, active);
+        }
+        for k in 0..count {
+            self.radiance[k] *= self.film.weight[k];
+        }
+        &self.radiance[..count]
+    }
+
+    /// One bounce of the first `count` paths; returns how many continue.
+    fn bounce<T: Traverse>(
+        &mut self,
+        simd: SimdLevel,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        count: usize,
+    ) -> usize {
+        let tables = &view.tables;
+        view.traverse
+            .closest_hits(&self.paths.rays, count, &mut self.hits);
+        let traced = TracedPaths {
+            paths: &self.paths,
+            hits: &self.hits,
+            count,
+        };
+        self.queues.sort(simd, tables, settings, &traced);
+        self.shade_escaped(simd, tables, settings);
+        self.shade_one_by_one(tables, settings);
+        macro_rules! shade {
+            ($($variant:ident)*) => {$(
+                self.shade_variant::<{ bsdf_variant::$variant }>(simd, tables, settings);
+            )*};
+        }
+        shade!(DIFFUSE ROUGH_DIFFUSE CONDUCTOR DIELECTRIC THIN_DIELECTRIC PLASTIC);
+        shade!(ROUGH_CONDUCTOR_BECKMANN ROUGH_CONDUCTOR_GGX ROUGH_DIELECTRIC_BECKMANN);
+        shade!(ROUGH_DIELECTRIC_GGX ROUGH_PLASTIC_BECKMANN ROUGH_PLASTIC_GGX);
+        self.trace_shadow_rays(simd, view);
+        self.compact(simd)
+    }
+
+    fn shade_escaped(
+        &mut self,
+        simd: SimdLevel,
+        tables: &Tables<'_>,
+        settings: &IntegratorSettings,
+    ) {
+        let queued = self.queues.queued(queues::ESCAPED, &self.paths);
+        if tables.info.environment == NONE || queued.segment.count == 0 {
+            return;
+        }
+        self.shading
+            .shade_escaped(simd, tables, settings, &queued, &mut self.radiance);
+    }
+
+    /// The bounce of the paths in the fallback queue, each as a single path takes it.
+    #[inline(never)]
+    fn shade_one_by_one(&mut self, tables: &Tables<'_>, settings: &IntegratorSettings) {
+        let mut bsdf = Bsdf::BLACK;
+        let mut shadow_ray = ShadowRay::NONE;
+        let queued = self.queues.queued(queues::FALLBACK, &self.paths);
+        for k in queued.segment.occupied::<N>() {
+            let i = queued.entries[k];
+            let index = queued.index(k);
+            let mut path = self.paths.gather(i);
+            let mut sampler = self.paths.sampler::<S>(i);
+            let hit = self.hits.get((i as usize).min(N - 1));
+            let following = path.bounce(
+                tables,
+                settings,
+                &mut sampler,
+                &hit,
+                &mut bsdf,
+                &mut shadow_ray,
+            );
+            self.radiance[index] += path.radiance;
+            self.shadow_rays.set(k, &shadow_ray);
+            self.shadow_rays.index[k] = index as u32;
+            self.next.continues[k] = u32::from(following != step::END);
+            self.next.paths.set(k, &path);
+            self.next.paths.set_sampler(k, sampler);
+            self.next.paths.index[k] = index as u32;
+        }
+    }
+
+    /// The bounce of the paths in both queues of a BSDF variant.
+    fn shade_variant<const VARIANT: u32>(
+        &mut self,
+        simd: SimdLevel,
+        tables: &Tables<'_>,
+        settings: &IntegratorSettings,
+    ) {
+        for is_textured in [false, true] {
+            let queue = queue_of(VARIANT, is_textured);
+            let queued = self.queues.queued(queue, &self.paths);
+            if queued.segment.count == 0 {
+                continue;
+            }
+            let variant_queue = VariantQueue {
+                queued,
+                hits: &self.hits,
+                spheres: self.queues.spheres[queue],
+                is_textured,
+            };
+            let shaded = Shaded {
+                next: &mut self.next,
+                shadow_rays: &mut self.shadow_rays,
+                radiance: &mut self.radiance,
+            };
+            self.shading
+                .shade::<S, VARIANT>(simd, tables, settings, &variant_queue, shaded);
+        }
+    }
+
+    /// Adds the emitter samples that are visible.
+    fn trace_shadow_rays<T: Traverse>(&mut self, simd: SimdLevel, view: &SceneView<'_, T>) {
+        let mut count = 0;
+        for queue in queues::FALLBACK..queues::COUNT {
+            let segment = self.queues.segments[queue];
+            count = self.shadow_rays.list_lit(segment, &mut self.list, count);
+        }
+        if count == 0 {
+            return;
+        }
+        shadow_rays::compact(simd, &self.shadow_rays, &self.list, count, &mut self.traced);
+        if view.tables.info.flags & scene_flag::HAS_NULL == 0 {
+            view.traverse
+                .are_occluded(&self.traced.rays, count, &mut self.hits);
+            self.traced
+                .accumulate(&self.hits, count, &mut self.radiance);
+            return;
+        }
+        for j in 0..count {
+            let light = self.traced.radiance.get(j) * transmittance(view, self.traced.rays.get(j));
+            let i = (self.traced.index[j] as usize).min(N - 1);
+            self.radiance[i] += light;
+        }
+    }
+
+    /// Moves the paths that continue to the front; returns how many there are.
+    fn compact(&mut self, simd: SimdLevel) -> usize {
+        let mut count = 0;
+        for queue in queues::FALLBACK..queues::COUNT {
+            for k in self.queues.segments[queue].occupied::<N>() {
+                if count < N {
+                    self.list[count] = k as u32;
+                }
+                count += usize::from(self.next.continues[k] != 0);
+            }
+        }
+        let count = count.min(N);
+        paths::compact(simd, &self.next.paths, &self.list, count, &mut self.paths);
+        count
+    }
+}

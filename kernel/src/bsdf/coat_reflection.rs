@@ -8,7 +8,7 @@
 //! [`super::rough_plastic`], of which it is the coating alone.
 
 use super::fresnel::{fresnel_dielectric, reflect};
-use super::{BsdfSample, Lobe, event};
+use super::{BsdfSample, Lobe, event, weighted};
 use crate::math::{Rgb, float};
 use crate::scene::lobe_kind;
 use glam::Vec3;
@@ -54,8 +54,8 @@ pub fn sample(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
     if wi.z <= 0.0 {
         return BsdfSample::NONE;
     }
-    BsdfSample::towards(reflect(wi, m), event::REFLECTION | event::GLOSSY)
-        .evaluated(|wo| (pdf(lobe, wi, wo), eval(lobe, wi, wo)))
+    let s = BsdfSample::towards(reflect(wi, m), event::REFLECTION | event::GLOSSY);
+    weighted!(s, pdf(lobe, wi, s.wo), eval(lobe, wi, s.wo))
 }
 
 /// The mirror direction of a smooth coat.

@@ -30,7 +30,7 @@
 use super::diffraction_table::{FineScale, energy_limit, fine_scale, ln_spectrum, scattered_share};
 use super::fresnel::{fresnel_conductor, reflect};
 use super::microfacet::v_cavity;
-use super::{BsdfSample, Lobe, event};
+use super::{BsdfSample, Lobe, event, weighted};
 use crate::math::Rgb;
 use crate::math::float::{atan2, exp, pow, safe_sqrt, sqr};
 use crate::scene::NONE;
@@ -137,8 +137,8 @@ pub fn sample(
     } else {
         law.sample_normal(wi, u2)
     };
-    BsdfSample::towards(reflect(wi, h), event::GLOSSY | event::REFLECTION)
-        .evaluated(|wo| (pdf(lobe, data, wi, wo), eval(lobe, data, wi, wo)))
+    let s = BsdfSample::towards(reflect(wi, h), event::GLOSSY | event::REFLECTION);
+    weighted!(s, pdf(lobe, data, wi, s.wo), eval(lobe, data, wi, s.wo))
 }
 
 /// The law of the half vectors of diffraction, an approximation to the spectrum that can be sampled: slopes with density

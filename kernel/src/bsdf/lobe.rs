@@ -147,6 +147,7 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
 /// [`eval_cosine`] and [`pdf`] together.
 #[inline]
 pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
+    #[cfg(not(target_arch = "spirv"))]
     if is_plain(lobe) {
         return plain::eval_cosine_pdf(lobe, data, wi, wo);
     }
@@ -167,13 +168,14 @@ fn eval_cosine_pdf_layered(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rg
     )
 }
 
-/// Lobes without coats and perturbed frames ([`is_plain`]). Inlined, so that callers who know the kind get its code alone.
+/// Lobes without coats and perturbed frames ([`is_plain`]). Inlined, so that callers who know the kind get its code alone;
+/// shaders do without, as it would be a second copy of all models.
+#[cfg(not(target_arch = "spirv"))]
 pub(crate) mod plain {
     use super::*;
 
     /// [`eval_cosine_pdf`](super::eval_cosine_pdf) of a plain lobe.
-    #[cfg_attr(target_arch = "spirv", inline)]
-    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    #[inline(always)]
     pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, f32) {
         if !is_active(lobe.flags, wi) || wo.z == 0.0 {
             return (Vec3::ZERO, 0.0);
@@ -186,19 +188,26 @@ pub(crate) mod plain {
         )
     }
 
-    /// [`sample`](super::sample) of a plain lobe that is active for `wi`, with `sample_model` for the sampling of its model at
-    /// the direction in the model's frame.
-    #[cfg_attr(target_arch = "spirv", inline)]
-    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    /// [`sample`](super::sample) of a plain lobe; rough models reflect or refract at the microfacet normal that `normal` draws
+    /// for a direction in the frame of the model.
+    #[inline(always)]
     pub fn sample(
         lobe: &Lobe,
+        data: &[f32],
         wi: Vec3,
-        sample_model: impl FnOnce(Vec3) -> BsdfSample,
+        u1: f32,
+        u2: Vec2,
+        normal: impl FnOnce(Vec3) -> Vec3,
     ) -> BsdfSample {
         let flip = is_flipped(lobe, wi);
-        let mut s = sample_model(mirrored(flip, wi));
+        let inner = mirrored(flip, wi);
+        let mut s = model::sample_with_normal(lobe, data, inner, u1, u2, || normal(inner));
         s.wo = mirrored(flip, s.wo);
-        s
+        if is_active(lobe.flags, wi) {
+            s
+        } else {
+            BsdfSample::NONE
+        }
     }
 }
 
@@ -276,8 +285,10 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
     if !is_active(lobe.flags, wi) {
         return BsdfSample::NONE;
     }
+    #[cfg(not(target_arch = "spirv"))]
     if is_plain(lobe) {
-        return plain::sample(lobe, wi, |wi| model::sample(lobe, data, wi, u1, u2));
+        let normal = |wi| model::sample_facet_normal(lobe, wi, u2);
+        return plain::sample(lobe, data, wi, u1, u2, normal);
     }
     let flip = is_flipped(lobe, wi);
     let i = inside(lobe, data, flip, wi);
@@ -331,10 +342,10 @@ pub(crate) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
 }
 
 /// Whether nothing lies between the surface and the model: the common case, which needs none of the maps below.
+#[cfg(not(target_arch = "spirv"))]
 #[inline]
 fn is_plain(lobe: &Lobe) -> bool {
-    // Not in shaders: the shortcut would be a second copy of all models.
-    !cfg!(target_arch = "spirv") && !lobe.has_coats() && !lobe.has_map()
+    !lobe.has_coats() && !lobe.has_map()
 }
 
 /// `w` with its z negated if `flip`.

@@ -17,7 +17,7 @@
 
 use super::coat_reflection::half_vector;
 use super::fresnel::reflect;
-use super::{BsdfSample, Lobe, event};
+use super::{BsdfSample, Lobe, event, weighted};
 use crate::math::{Rgb, float, warp};
 use core::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use glam::{Vec2, Vec3};
@@ -203,8 +203,8 @@ pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2) -> BsdfSam
         let u = (u1 - DEFENSIVE) / (1.0 - DEFENSIVE);
         reflect(wi, sample_half_vector(data, lobe.table, wi.z, u, u2))
     };
-    BsdfSample::towards(wo, event::REFLECTION | event::GLOSSY)
-        .evaluated(|wo| (pdf(lobe, data, wi, wo), eval(lobe, data, wi, wo)))
+    let s = BsdfSample::towards(wo, event::REFLECTION | event::GLOSSY);
+    weighted!(s, pdf(lobe, data, wi, s.wo), eval(lobe, data, wi, s.wo))
 }
 
 /// Directional albedo of the cell of theta_i.

@@ -357,7 +357,6 @@ impl Bsdf {
 #[cfg(not(target_arch = "spirv"))]
 pub(crate) mod plain {
     use super::*;
-    use crate::bsdf::model;
 
     /// [`Bsdf::eval_cosine_pdf`].
     #[inline(always)]
@@ -371,14 +370,8 @@ pub(crate) mod plain {
     #[inline(always)]
     pub fn sample(lobe: &Lobe, data: &[f32], wi: Vec3, u1: f32, u2: Vec2, m: Vec3) -> BsdfSample {
         let u1 = u1.min(ONE_MINUS_EPSILON);
-        let s = lobe::plain::sample(lobe, wi, |wi| {
-            model::sample_with_normal(lobe, data, wi, u1, u2, || m)
-        });
-        if !lobe::is_active(lobe.flags, wi) || s.pdf <= 0.0 {
-            BsdfSample::NONE
-        } else {
-            s
-        }
+        let s = lobe::plain::sample(lobe, data, wi, u1, u2, |_| m);
+        if s.pdf <= 0.0 { BsdfSample::NONE } else { s }
     }
 }
 

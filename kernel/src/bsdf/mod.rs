@@ -83,6 +83,22 @@ pub struct BsdfSample {
     pub event: u32,
 }
 
+/// A reflected direction with the density and the value of its model, `weighted!(sample, pdf, value)`. Shaders leave both to
+/// [`Bsdf::mix`], which evaluates all lobes anyway: their compilers would copy the evaluation to here.
+macro_rules! weighted {
+    ($sample:expr, $pdf:expr, $value:expr) => {{
+        #[cfg(target_arch = "spirv")]
+        {
+            $sample.unweighted()
+        }
+        #[cfg(not(target_arch = "spirv"))]
+        {
+            $sample.weighted($pdf, $value)
+        }
+    }};
+}
+use weighted;
+
 impl BsdfSample {
     /// No sample.
     pub const NONE: BsdfSample = BsdfSample {
@@ -105,30 +121,27 @@ impl BsdfSample {
         }
     }
 
-    /// The reflected direction with the density and the value of its model, which `evaluate` finds. Shaders leave both to
-    /// [`Bsdf::mix`], which evaluates all lobes anyway: their compilers would copy the evaluation.
-    #[cfg_attr(target_arch = "spirv", inline)]
-    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-    pub(crate) fn evaluated(self, evaluate: impl FnOnce(Vec3) -> (f32, Rgb)) -> BsdfSample {
-        #[cfg(target_arch = "spirv")]
-        {
-            let _ = evaluate;
-            BsdfSample {
-                event: self.event | event::UNWEIGHTED,
-                ..self
-            }
+    /// The reflected direction with the density and the value of its model.
+    #[cfg(not(target_arch = "spirv"))]
+    #[inline]
+    pub(crate) fn weighted(self, pdf: f32, value: Rgb) -> BsdfSample {
+        if pdf <= 0.0 {
+            return BsdfSample::NONE;
         }
-        #[cfg(not(target_arch = "spirv"))]
-        {
-            let (pdf, value) = evaluate(self.wo);
-            if pdf <= 0.0 {
-                return BsdfSample::NONE;
-            }
-            BsdfSample {
-                weight: value * (self.wo.z / pdf),
-                pdf,
-                ..self
-            }
+        BsdfSample {
+            weight: value * (self.wo.z / pdf),
+            pdf,
+            ..self
+        }
+    }
+
+    /// The direction, marked as one that [`Bsdf::mix`] is to weight.
+    #[cfg(target_arch = "spirv")]
+    #[inline]
+    pub(crate) fn unweighted(self) -> BsdfSample {
+        BsdfSample {
+            event: self.event | event::UNWEIGHTED,
+            ..self
         }
     }
 }

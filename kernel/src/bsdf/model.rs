@@ -108,7 +108,7 @@ pub const UNWEIGHTED_KINDS: u32 = features::lobe(lobe_kind::ROUGH_PLASTIC)
 /// The microfacet normal that a rough lobe draws with `u2`.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-fn sample_facet_normal(lobe: &Lobe, wi: Vec3, u2: Vec2) -> Vec3 {
+pub(super) fn sample_facet_normal(lobe: &Lobe, wi: Vec3, u2: Vec2) -> Vec3 {
     let facets = lobe.microfacets();
     if lobe.samples_all_normals() {
         facets.sample_normal(u2)

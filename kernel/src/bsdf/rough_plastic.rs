@@ -12,7 +12,7 @@
 //! samples follow the density, values and densities of an independent renderer.
 
 use super::fresnel::reflect;
-use super::{BsdfSample, Lobe, coat_reflection, event, plastic, rough_transmittance};
+use super::{BsdfSample, Lobe, coat_reflection, event, plastic, rough_transmittance, weighted};
 use crate::math::{Rgb, warp};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
@@ -63,7 +63,7 @@ pub fn sample(
         let wo = warp::square_to_cosine_hemisphere(u2);
         BsdfSample::towards(wo, event::REFLECTION | event::DIFFUSE)
     };
-    let s = s.evaluated(|wo| (pdf(lobe, data, wi, wo), eval(lobe, data, wi, wo)));
+    let s = weighted!(s, pdf(lobe, data, wi, s.wo), eval(lobe, data, wi, s.wo));
     if wi.z <= 0.0 { BsdfSample::NONE } else { s }
 }
 

@@ -56,16 +56,17 @@ impl<const N: usize> EnvironmentLanes<N> {
         segment: Segment,
         scratch: Scratch<'_, N>,
     ) {
-        if has_table(environment(tables)) {
+        let emitter = environment(tables);
+        if has_table(emitter) {
             let searches = scratch.searches;
-            begin_rows(simd, tables, segment, numbers, searches);
+            begin_rows(simd, tables, emitter, segment, numbers, searches);
             search(simd, tables.data, segment, searches);
             finish_rows(simd, tables, segment, searches, self);
-            begin_columns(simd, tables, segment, numbers, &self.row, searches);
+            begin_columns(simd, tables, emitter, segment, numbers, &self.row, searches);
             search(simd, tables.data, segment, searches);
-            sample_cells(simd, tables, segment, searches, self);
+            sample_cells(simd, tables, emitter, segment, searches, self);
         } else {
-            sample_uniform_sphere(simd, tables, segment, numbers, self);
+            sample_uniform_sphere(simd, emitter, segment, numbers, self);
         }
         self.look_up_radiance(simd, tables, segment, scratch.textures);
     }
@@ -78,10 +79,11 @@ impl<const N: usize> EnvironmentLanes<N> {
         queued: &QueuedPaths<'_, N>,
         textures: &mut TextureLanes<N>,
     ) {
-        if has_table(environment(tables)) {
-            look_up_densities::<true, N>(simd, tables, queued, self);
+        let emitter = environment(tables);
+        if has_table(emitter) {
+            look_up_densities::<true, N>(simd, tables, emitter, queued, self);
         } else {
-            look_up_densities::<false, N>(simd, tables, queued, self);
+            look_up_densities::<false, N>(simd, tables, emitter, queued, self);
         }
         self.look_up_radiance(simd, tables, queued.segment, textures);
     }
@@ -102,7 +104,14 @@ impl<const N: usize> EnvironmentLanes<N> {
             }
             return;
         }
-        transform_coordinates(simd, tables, segment, &mut self.uv, &mut textures.texture);
+        transform_coordinates(
+            simd,
+            tables,
+            emitter,
+            segment,
+            &mut self.uv,
+            &mut textures.texture,
+        );
         textures.look_up(simd, tables, segment, &self.uv, None);
         for k in segment.padded::<N>() {
             self.radiance.set(k, value * textures.value.get(k));
@@ -114,11 +123,12 @@ multiversioned! {
     /// Begins the searches for the rows of cells.
     fn begin_rows<; const N: usize>(
         tables: &Tables<'_>,
+        emitter: &Emitter,
         segment: Segment,
         numbers: &NumberLanes<N>,
         searches: &mut SearchLanes<N>,
     ) {
-        let (table, guide) = rows(environment(tables));
+        let (table, guide) = rows(emitter);
         for k in segment.padded::<N>() {
             let u = numbers.emitter_point(k).y;
             let (low, high) = guided_range(tables.data, guide, u);
@@ -143,12 +153,12 @@ multiversioned! {
     /// Begins the searches for the cells in their rows.
     fn begin_columns<; const N: usize>(
         tables: &Tables<'_>,
+        emitter: &Emitter,
         segment: Segment,
         numbers: &NumberLanes<N>,
         row: &[u32; N],
         searches: &mut SearchLanes<N>,
     ) {
-        let emitter = environment(tables);
         for k in segment.padded::<N>() {
             let u = numbers.emitter_point(k).x;
             let (table, guide) = columns(emitter, row[k]);
@@ -160,11 +170,11 @@ multiversioned! {
     /// Directions within the cells that were found.
     fn sample_cells<; const N: usize>(
         tables: &Tables<'_>,
+        emitter: &Emitter,
         segment: Segment,
         searches: &SearchLanes<N>,
         lanes: &mut EnvironmentLanes<N>,
     ) {
-        let emitter = environment(tables);
         for k in segment.padded::<N>() {
             let row = lanes.row[k];
             let (column, t, _) = searches.found(tables.data, k);
@@ -180,12 +190,11 @@ multiversioned! {
 
     /// Uniformly distributed directions.
     fn sample_uniform_sphere<; const N: usize>(
-        tables: &Tables<'_>,
+        emitter: &Emitter,
         segment: Segment,
         numbers: &NumberLanes<N>,
         lanes: &mut EnvironmentLanes<N>,
     ) {
-        let emitter = environment(tables);
         for k in segment.padded::<N>() {
             let direction = square_to_uniform_sphere(numbers.emitter_point(k));
             let uv = to_uv(transform_vector(&emitter.to_local, direction));
@@ -199,10 +208,10 @@ multiversioned! {
     /// Image coordinates and densities of the directions of rays; the density is uniform without a table.
     fn look_up_densities<; const HAS_TABLE: bool, const N: usize>(
         tables: &Tables<'_>,
+        emitter: &Emitter,
         queued: &QueuedPaths<'_, N>,
         lanes: &mut EnvironmentLanes<N>,
     ) {
-        let emitter = environment(tables);
         for k in queued.segment.padded::<N>() {
             let direction = queued.paths.rays.direction.gather(queued.entries[k]);
             let uv = to_uv(transform_vector(&emitter.to_local, direction));
@@ -220,11 +229,11 @@ multiversioned! {
     /// Transforms image coordinates to those of the texture, and requests its lookup.
     fn transform_coordinates<; const N: usize>(
         tables: &Tables<'_>,
+        emitter: &Emitter,
         segment: Segment,
         coordinates: &mut [[f32; N]; 2],
         textures: &mut [u32; N],
     ) {
-        let emitter = environment(tables);
         for k in segment.padded::<N>() {
             let uv = Vec2::new(coordinates[0][k], coordinates[1][k]);
             let uv = to_texture(tables, emitter, uv);

@@ -8,12 +8,12 @@ use super::shading::{Shaded, ShadingLanes, VariantQueue};
 use super::shadow_rays::{self, ShadowRayLanes};
 use crate::bsdf::Bsdf;
 use crate::math::Rgb;
+use crate::path::visibility::transmittance;
 use crate::sampler::LaneSampler;
 use crate::scene::{HitBatch, NONE, SceneView, Tables, Traverse, scene_flag};
 use crate::simd::SimdLevel;
 use crate::transport::path::{ShadowRay, step};
 use crate::transport::settings::IntegratorSettings;
-use crate::transport::visibility::transmittance;
 use bytemuck::Zeroable;
 use core::marker::PhantomData;
 

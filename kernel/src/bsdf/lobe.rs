@@ -341,11 +341,11 @@ pub(crate) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
     wi.z < 0.0 && lobe.flags & lobe_flag::FLIP_BACK != 0
 }
 
-/// Whether nothing lies between the surface and the model: the common case, which needs none of the maps below.
-#[cfg(not(target_arch = "spirv"))]
+/// Whether nothing lies between the surface and the model: the common case, which needs none of the maps below. Never in
+/// shaders, for which the shortcut would be a second copy of all models.
 #[inline]
 fn is_plain(lobe: &Lobe) -> bool {
-    !lobe.has_coats() && !lobe.has_map()
+    !cfg!(target_arch = "spirv") && !lobe.has_coats() && !lobe.has_map()
 }
 
 /// `w` with its z negated if `flip`.

@@ -1,10 +1,9 @@
 //! Sixteen lanes, for processors with AVX-512.
 //!
-//! Values are only made in functions with the features of [`SimdLevel::avx512`] ([`with_avx512!`]), which are entered where
+//! Values are only made in functions with the features of [`SimdLevel::avx512`] (`with_avx512!`), which are entered where
 //! the processor has been asked for them: that is the reason behind every `unsafe` in this file without another one.
 //!
 //! [`SimdLevel::avx512`]: halflight_kernel::simd::SimdLevel::avx512
-//! [`with_avx512!`]: with_avx512
 
 use super::{SimdFloat, SimdMask, SimdWord};
 use std::arch::x86_64::*;

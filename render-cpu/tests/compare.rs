@@ -110,6 +110,17 @@ fn thresholds_decide_the_exit_code() {
         files.compare("a.exr", "b.exr", &["--fail-above", "mse=0"]),
         Ok(ExitCode::FAILURE)
     );
+    for (image, limit, expected) in [
+        ("bright.exr", "cie76=0.5", ExitCode::FAILURE),
+        ("bright.exr", "cie76=100", ExitCode::SUCCESS),
+        ("a.exr", "cie76=0", ExitCode::SUCCESS),
+    ] {
+        assert_eq!(
+            files.compare("a.exr", image, &["--fail-above", limit]),
+            Ok(expected),
+            "{image} {limit}"
+        );
+    }
     assert_eq!(
         files.compare("a.exr", "a.exr", &["--fail-above", "mse=0"]),
         Ok(ExitCode::SUCCESS)

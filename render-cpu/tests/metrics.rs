@@ -1,6 +1,7 @@
 //! Metrics against closed forms and against figures of independent programs.
 
 use halflight::compare::metrics::RgbImage;
+use halflight::compare::metrics::cielab::{cie76, delta_e, lab};
 use halflight::compare::metrics::flip::{hdr_flip, ldr_flip, mean};
 use halflight::compare::metrics::mse::mse;
 use halflight::compare::metrics::psnr::psnr;
@@ -31,6 +32,34 @@ fn closed_forms_of_constant_images() {
     let (x, y) = (show(a.pixels[0]), show(b.pixels[0]));
     let expected = (2.0 * x * y + 1e-4) / (x * x + y * y + 1e-4);
     assert!((ssim(&a, &b).unwrap() - expected).abs() < 1e-12);
+}
+
+#[test]
+fn colour_differences_of_1976() {
+    // L*a*b* under D65 of the primaries, as colour charts print them to two digits.
+    for (rgb, expected) in [
+        ([1.0, 0.0, 0.0], [53.24, 80.09, 67.20]),
+        ([0.0, 1.0, 0.0], [87.73, -86.18, 83.18]),
+        ([0.0, 0.0, 1.0], [32.30, 79.19, -107.86]),
+        ([1.0, 1.0, 1.0], [100.0, 0.0, 0.0]),
+    ] {
+        let found = lab(rgb);
+        assert!(delta_e(found, expected) < 0.02, "{rgb:?}: {found:?}");
+    }
+    let difference = |a: [f64; 3], b: [f64; 3]| cie76(&constant(a), &constant(b));
+    let grey = |v: f64| [v; 3];
+    // Greys differ by lightness alone: 116 * 0.18^(1/3) - 16 = 49.4961, and below (6/29)^3 116 * 841/108 Y.
+    assert!((difference(grey(0.18), grey(1.0)) - 50.5039).abs() < 1e-3);
+    assert!((difference(grey(0.005), grey(0.0)) - 116.0 * 841.0 / 108.0 * 0.005).abs() < 1e-9);
+    // sqrt(53.24^2 + 80.09^2 + 67.20^2), from red to black.
+    assert!((difference([1.0, 0.0, 0.0], grey(0.0)) - 117.33).abs() < 0.02);
+    // Exposure 0 and no tone curve: what is brighter than white is white, what is negative is black.
+    assert_eq!(difference(grey(1.0), grey(7.0)), 0.0);
+    assert_eq!(difference(grey(-1.0), grey(0.0)), 0.0);
+    // The mean over pixels: half of them white instead of black.
+    let half = (0..16 * 12).map(|i| grey(f64::from(i % 2))).collect();
+    let half = RgbImage::new(16, 12, half);
+    assert!((cie76(&half, &constant(grey(0.0))) - 50.0).abs() < 1e-9);
 }
 
 #[test]

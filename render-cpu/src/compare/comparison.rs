@@ -4,6 +4,7 @@
 //! go unnoticed in none, because their number is a metric itself.
 
 use crate::compare::metrics::RgbImage;
+use crate::compare::metrics::cielab::cie76;
 use crate::compare::metrics::flip::{hdr_flip, ldr_flip, mean};
 use crate::compare::metrics::mse::mse;
 use crate::compare::metrics::psnr::psnr;
@@ -26,6 +27,8 @@ pub enum Metric {
     ResidualRms,
     /// Peak signal to noise ratio in decibel.
     Psnr,
+    /// Mean colour difference of 1976.
+    Cie76,
     /// Structural similarity.
     Ssim,
     /// Mean LDR-FLIP.
@@ -40,11 +43,12 @@ pub enum Metric {
 
 impl Metric {
     /// Every metric, in the order of a table.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Mse,
         Self::RelativeMse,
         Self::ResidualRms,
         Self::Psnr,
+        Self::Cie76,
         Self::Ssim,
         Self::Flip,
         Self::HdrFlip,
@@ -59,6 +63,7 @@ impl Metric {
             Self::RelativeMse => "relative-mse",
             Self::ResidualRms => "residual-rms",
             Self::Psnr => "psnr",
+            Self::Cie76 => "cie76",
             Self::Ssim => "ssim",
             Self::Flip => "flip",
             Self::HdrFlip => "hdr-flip",
@@ -204,6 +209,7 @@ impl Comparison {
                 Metric::RelativeMse => Some(relative_mse(&mean_a, &mean_b)),
                 Metric::ResidualRms => Some(residual_rms(&mean_a, &mean_b)),
                 Metric::Psnr => Some(psnr(&mean_a, &mean_b)),
+                Metric::Cie76 => Some(cie76(&mean_a, &mean_b)),
                 Metric::Ssim => ssim(&mean_a, &mean_b),
                 Metric::Flip => Some(mean(&flip)),
                 Metric::HdrFlip => Some(mean(&hdr_flip)),

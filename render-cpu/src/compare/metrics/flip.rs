@@ -16,6 +16,7 @@
 //!
 //! A test compares with the figures of NVIDIA's evaluator.
 
+use super::cielab::{lab, normalized_xyz, rgb_from_normalized_xyz};
 use super::convolution::{Border, convolve, gaussian};
 use super::{RgbImage, assert_same_size};
 use std::f64::consts::PI;
@@ -182,71 +183,10 @@ impl Perceived {
     }
 }
 
-/// Linear sRGB to CIE XYZ over the white point D65. The matrix is that of the primaries' chromaticities as fractions;
-/// its rows are divided by their sums, which are the white point.
-const NORMALIZED_XYZ: [[f64; 3]; 3] = {
-    let x = [10_135_552.0, 8_788_810.0, 4_435_075.0];
-    let y = [2_613_072.0, 8_788_810.0, 887_015.0];
-    let z = [1_425_312.0, 8_788_810.0, 70_074_185.0];
-    const fn over_sum(row: [f64; 3]) -> [f64; 3] {
-        let sum = row[0] + row[1] + row[2];
-        [row[0] / sum, row[1] / sum, row[2] / sum]
-    }
-    [over_sum(x), over_sum(y), over_sum(z)]
-};
-
-/// The inverse of [`NORMALIZED_XYZ`], by cofactors.
-const RGB_FROM_NORMALIZED_XYZ: [[f64; 3]; 3] = {
-    let m = NORMALIZED_XYZ;
-    let c = [
-        m[1][1] * m[2][2] - m[1][2] * m[2][1],
-        m[1][2] * m[2][0] - m[1][0] * m[2][2],
-        m[1][0] * m[2][1] - m[1][1] * m[2][0],
-    ];
-    let determinant = m[0][0] * c[0] + m[0][1] * c[1] + m[0][2] * c[2];
-    [
-        [
-            c[0] / determinant,
-            (m[0][2] * m[2][1] - m[0][1] * m[2][2]) / determinant,
-            (m[0][1] * m[1][2] - m[0][2] * m[1][1]) / determinant,
-        ],
-        [
-            c[1] / determinant,
-            (m[0][0] * m[2][2] - m[0][2] * m[2][0]) / determinant,
-            (m[0][2] * m[1][0] - m[0][0] * m[1][2]) / determinant,
-        ],
-        [
-            c[2] / determinant,
-            (m[0][1] * m[2][0] - m[0][0] * m[2][1]) / determinant,
-            (m[0][0] * m[1][1] - m[0][1] * m[1][0]) / determinant,
-        ],
-    ]
-};
-
-fn multiply(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-fn normalized_xyz(rgb: [f64; 3]) -> [f64; 3] {
-    multiply(&NORMALIZED_XYZ, rgb)
-}
-
-fn rgb_from_normalized_xyz(xyz: [f64; 3]) -> [f64; 3] {
-    multiply(&RGB_FROM_NORMALIZED_XYZ, xyz)
-}
-
 /// CIELab of linear RGB with Hunt's adjustment: colours of dark pixels differ less.
 fn hunt_lab(rgb: [f64; 3]) -> [f64; 3] {
-    const DELTA: f64 = 6.0 / 29.0;
-    let [x, y, z] = normalized_xyz(rgb).map(|t| {
-        if t > DELTA * DELTA * DELTA {
-            t.cbrt()
-        } else {
-            t / (3.0 * DELTA * DELTA) + 4.0 / 29.0
-        }
-    });
-    let l = 116.0 * y - 16.0;
-    [l, 0.01 * l * 500.0 * (x - y), 0.01 * l * 200.0 * (y - z)]
+    let [l, a, b] = lab(rgb);
+    [l, 0.01 * l * a, 0.01 * l * b]
 }
 
 /// Distance of colours: city block between lightness and colour plane (Abasi, Tehran and Fairchild 2020).

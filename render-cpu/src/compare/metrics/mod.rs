@@ -2,9 +2,10 @@
 //!
 //! The second image is always the reference. Metrics on radiance ([`mse`], [`relative_mse`], [`residual_rms`],
 //! `flip::hdr_flip`, [`ztest`]) see the values as they are; those that are defined for display images ([`psnr`],
-//! [`ssim`], `flip::ldr_flip`) see them at exposure 0, clamped to [0, 1] and, where the definition asks for it, sRGB
-//! encoded.
+//! [`cielab`], [`ssim`], `flip::ldr_flip`) see them at exposure 0, clamped to [0, 1] and, where the definition asks for
+//! it, sRGB encoded.
 
+pub mod cielab;
 mod convolution;
 pub mod flip;
 pub mod mse;

@@ -30,7 +30,7 @@ enum Command {
     Merge(merge::MergeArgs),
     /// Render one image as many tasks that share a folder, on a cluster for instance
     Farm(farm::FarmArgs),
-    /// Reproduce a statement of the papers on integrals with known answers
+    /// Reproduce a statement of the papers on integrals with known answers, or compare algorithms on a scene
     Experiment(experiment::ExperimentArgs),
 }
 
@@ -48,6 +48,6 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),
         Command::Farm(args) => farm::run(&args, cli.verbosity.quiet),
-        Command::Experiment(args) => Ok(experiment::run(&args)?),
+        Command::Experiment(args) => experiment::run(&args, cli.verbosity.quiet),
     }
 }

@@ -172,8 +172,8 @@ fn contact_sheet_holds_every_picture() {
 #[test]
 fn pictures_are_cut_off_at_the_border() {
     let mut canvas = Canvas::new(3, 2);
-    canvas.paste(&[7; 12], 2, 2, 1);
+    canvas.paste(&[7; 12], [2, 2], 2, 1);
     assert_eq!(canvas.rgb()[15..], [7; 3]);
     assert_eq!(canvas.rgb()[..15], [255; 15]);
-    canvas.paste(&[7; 12], 2, 9, 9);
+    canvas.paste(&[7; 12], [2, 2], 9, 9);
 }

@@ -38,6 +38,8 @@ pub struct Contribution {
     pub ray: Ray,
     /// Film position of a splat, in pixels of the whole film.
     pub film: Vec2,
+    /// Vertices of the light subpath.
+    pub s: u32,
     /// Vertices of the camera subpath: 0 and 1 make splats.
     pub t: u32,
 }
@@ -53,6 +55,7 @@ impl Contribution {
             t_max: 0.0,
         },
         film: Vec2::ZERO,
+        s: 0,
         t: 0,
     };
 
@@ -224,6 +227,7 @@ impl Connector<'_> {
                 at.point.spawn(light.direction)
             },
             film: Vec2::ZERO,
+            s: 1,
             t,
         }
     }
@@ -263,6 +267,7 @@ impl Connector<'_> {
             value: throughput * scattered.value * (density * weight),
             ray: to_lens_segment(point, &seen),
             film: seen.film,
+            s,
             t: 1,
         }
     }
@@ -298,6 +303,7 @@ impl Connector<'_> {
             value: radiance * (cosine * density * weight / position),
             ray: to_lens_segment(point, &seen),
             film: seen.film,
+            s: 1,
             t: 1,
         }
     }
@@ -360,6 +366,7 @@ impl Connector<'_> {
             value: walk.throughput * (density * distance2 * lens_pdf * weight / cosine),
             ray,
             film: seen.film,
+            s: walk.depth + 2,
             t: 0,
         }
     }
@@ -403,6 +410,7 @@ impl Connector<'_> {
             value: value * (weight / distance2),
             ray: at.point.segment_to_surface(light.at.point),
             film: Vec2::ZERO,
+            s,
             t,
         }
     }

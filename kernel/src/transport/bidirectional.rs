@@ -229,8 +229,8 @@ impl<'a> Bidirectional<'a> {
     }
 }
 
-/// One sample: the radiance of the pixel that `ray` belongs to is returned, splats are handed to `splat`, both without what
-/// lies in shadow.
+/// One sample: `add` takes what each strategy finds, nothing where it lies in shadow, splats and what belongs to the pixel of
+/// `ray` ([`Contribution::is_splat`]), the latter without a film position.
 pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
@@ -238,25 +238,23 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     camera_sampler: &mut S,
     ray: &Ray,
     store: &mut V,
-    mut splat: impl FnMut(Contribution),
-) -> Rgb {
+    mut add: impl FnMut(Contribution),
+) {
     let algorithm = Bidirectional::new(&view.tables, settings);
     let rules = settings.rules();
-    let mut radiance = Vec3::ZERO;
+    // Not one closure over `add`, which what a camera walk meets itself needs as well.
+    let unshadowed = |mut contribution: Contribution| {
+        contribution.value *= contribution_transmittance(view, &rules, &contribution);
+        contribution
+    };
     let mut bsdf = Bsdf::BLACK;
     let mut light_bsdf = Bsdf::BLACK;
     let mut last = NONE;
     let start = algorithm.emit(light_sampler);
     if start.is_some() && rules.max_depth > 0 {
-        let mut unshadowed = |mut contribution: Contribution| {
-            contribution.value *= contribution_transmittance(view, &rules, &contribution);
-            if contribution.is_some() {
-                splat(contribution);
-            }
-        };
         let own = algorithm.start(&start, light_sampler);
         if own.is_some() {
-            unshadowed(own);
+            add(unshadowed(own));
         }
         let mut walk = Walk::from_emitter(&start);
         let mut next = step::TRACE;
@@ -269,18 +267,18 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
                 &mut bsdf,
                 store,
                 &mut last,
-                &mut unshadowed,
+                |contribution| add(unshadowed(contribution)),
             );
         }
     }
     if !algorithm.has_camera_walks || rules.max_depth == 0 {
-        return radiance;
+        return;
     }
     let mut walk = Walk::from_sensor(ray);
     let mut next = step::TRACE;
     while next == step::TRACE {
         let hit = view.traverse.closest_hit(&walk.ray);
-        let mut lit = Vec3::ZERO;
+        let t = walk.depth + 2;
         let (found, after) = algorithm.camera_bounce(
             &mut walk,
             camera_sampler,
@@ -290,12 +288,13 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
             store,
             last,
             &start,
-            |contribution| {
-                lit += contribution.value * contribution_transmittance(view, &rules, &contribution);
-            },
+            |contribution| add(unshadowed(contribution)),
         );
-        radiance += found + lit;
+        add(Contribution {
+            value: found,
+            t,
+            ..Contribution::NONE
+        });
         next = after;
     }
-    radiance
 }

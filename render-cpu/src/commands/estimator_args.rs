@@ -3,6 +3,7 @@
 use crate::render::{Shape, shape};
 use crate::scene::build::Scene;
 use clap::{Args, ValueEnum};
+use std::path::PathBuf;
 
 /// How strategies are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -14,17 +15,29 @@ pub enum HeuristicName {
 }
 
 /// What the command line changes about bidirectional algorithms.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug)]
 pub struct EstimatorArgs {
     /// Weights of the strategies of bdpt.
     #[arg(long, value_name = "NAME")]
     pub heuristic: Option<HeuristicName>,
     /// Only what bdpt finds with S vertices from the light and T from the sensor (bdpt); "*" stands for any number.
-    #[arg(long, value_name = "S,T", value_parser = parse_strategy)]
+    #[arg(long, value_name = "S,T", value_parser = parse_strategy, group = "shown_strategies")]
     pub strategies: Option<[Option<u32>; 2]>,
-    /// Without weights, each strategy as if it were alone; with --strategies.
-    #[arg(long, requires = "strategies")]
+    /// Without weights, each strategy as if it were alone; with --strategies or --strategy-sheet.
+    #[arg(long, requires = "shown_strategies")]
     pub unweighted: bool,
+    /// Instead of the image, one picture with the images of all strategies of bdpt, by path length and light vertices.
+    #[arg(long, value_name = "OUT.png", group = "shown_strategies",
+        conflicts_with_all = ["output", "samples", "adaptive", "aov", "checkpoint", "resume", "half", "no_png"])]
+    pub strategy_sheet: Option<PathBuf>,
+    /// Most edges of the paths on the strategy sheet; no more than max_depth.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 6,
+        requires = "strategy_sheet"
+    )]
+    pub sheet_length: u32,
 }
 
 impl EstimatorArgs {
@@ -48,8 +61,8 @@ impl EstimatorArgs {
             let all = halflight_kernel::scene::NONE;
             own.only_s = s.unwrap_or(all);
             own.only_t = t.unwrap_or(all);
-            own.unweighted = self.unweighted.into();
         }
+        own.unweighted = self.unweighted.into();
         Ok(())
     }
 }

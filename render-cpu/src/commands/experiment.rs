@@ -1,24 +1,37 @@
-//! `halflight experiment`: what the papers prove, reproduced.
+//! `halflight experiment`: what the papers prove, reproduced, and algorithms compared on a scene.
 
+use super::convergence::{self, ConvergenceArgs};
 use crate::experiment::{ALL, Experiment};
 use crate::plot::{PlotError, write_png};
-use clap::Args;
+use clap::{Args, Subcommand};
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Reproduce a statement of the papers on integrals with known answers.
+/// Reproduce a statement of the papers on integrals with known answers, or compare algorithms on a scene.
 #[derive(Args, Clone, Debug)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct ExperimentArgs {
+    /// An experiment that needs a scene.
+    #[command(subcommand)]
+    pub on_scene: Option<SceneExperiment>,
     /// The experiment; `list` names them all.
-    #[arg(value_name = "NAME")]
-    pub name: String,
+    #[arg(value_name = "NAME", required = true)]
+    pub name: Option<String>,
     /// Write the diagrams to a PNG.
     #[arg(short, long, value_name = "PLOT.png")]
     pub output: Option<PathBuf>,
     /// Fewer samples: a first impression in about a second.
     #[arg(long)]
     pub quick: bool,
+}
+
+/// Experiments that need a scene.
+#[derive(Subcommand, Clone, Debug)]
+pub enum SceneExperiment {
+    /// Compare algorithms on a scene: images of equal processor time against a reference, error over time
+    Convergence(Box<ConvergenceArgs>),
 }
 
 /// Why an experiment did not run.
@@ -40,15 +53,23 @@ fn find(name: &str) -> Option<&'static Experiment> {
 ///
 /// # Errors
 /// If the experiment does not exist or its diagrams cannot be written.
-pub fn run(args: &ExperimentArgs) -> Result<ExitCode, ExperimentError> {
-    if args.name == "list" {
+pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    if let Some(SceneExperiment::Convergence(args)) = &args.on_scene {
+        return convergence::run(args, quiet);
+    }
+    let name = args.name.as_deref().unwrap_or("list");
+    if name == "list" {
         for experiment in &ALL {
             println!("{:<24}{}", experiment.name, experiment.about);
         }
+        println!(
+            "{:<24}{}",
+            "convergence", "algorithms on a scene of yours for the same time; see its --help"
+        );
         return Ok(ExitCode::SUCCESS);
     }
-    let Some(experiment) = find(&args.name) else {
-        return Err(ExperimentError::Unknown(args.name.clone()));
+    let Some(experiment) = find(name) else {
+        return Err(ExperimentError::Unknown(name.to_owned()).into());
     };
     let started = Instant::now();
     let report = (experiment.run)(args.quick);

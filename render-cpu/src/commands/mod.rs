@@ -1,6 +1,7 @@
 //! The subcommands of `halflight`, one per file, and what they share.
 
 pub mod compare;
+pub mod convergence;
 pub mod estimator_args;
 pub mod experiment;
 pub mod farm;
@@ -13,4 +14,5 @@ mod render_observer;
 mod render_output;
 mod render_values;
 pub mod scene_args;
+mod strategy_sheet;
 pub mod terminal;

@@ -4,6 +4,7 @@ use super::estimator_args::EstimatorArgs;
 use super::render_observer::RunObserver;
 use super::render_values::{parse_aov, parse_duration, parse_exposure, parse_range};
 use super::scene_args::{SceneArgs, build_accel};
+use super::strategy_sheet;
 use crate::accel::Accel;
 use crate::film::Film;
 use crate::film::aov::{Aov, AovSet};
@@ -88,6 +89,10 @@ pub struct RenderArgs {
 /// # Errors
 /// What keeps the image from being made or written, in one sentence.
 pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    if let Some(sheet) = &args.estimator.strategy_sheet {
+        args.set_threads()?;
+        return strategy_sheet::run(args, sheet, quiet);
+    }
     run_with(args, quiet, |job, film, state, stop, observer| {
         render(
             job.scene,
@@ -129,10 +134,9 @@ pub fn run_with(
     ) -> Result<Outcome, Box<dyn Error + Send + Sync>>,
 ) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let output = args.output_path()?;
-    if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()?;
+    args.set_threads()?;
+    if args.estimator.strategy_sheet.is_some() {
+        return Err("--strategy-sheet is drawn by the processor: use halflight render".into());
     }
     let start = Instant::now();
     let mut scene = args.scene.load()?;
@@ -251,7 +255,16 @@ pub fn run_with(
 }
 
 impl RenderArgs {
-    fn options(&self, scene: &Scene) -> RenderOptions {
+    fn set_threads(&self) -> Result<(), rayon::ThreadPoolBuildError> {
+        match self.threads {
+            Some(threads) => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build_global(),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn options(&self, scene: &Scene) -> RenderOptions {
         let (first_sample, count) = match self.samples {
             Some((from, to)) => (from, to - from),
             None => (0, self.spp.unwrap_or(scene.spp)),

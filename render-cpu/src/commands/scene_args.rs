@@ -73,7 +73,8 @@ fn parse_define(text: &str) -> Result<(String, String), String> {
     }
 }
 
-fn parse_numbers<const N: usize>(
+/// `N` numbers with separators between them.
+pub(super) fn parse_numbers<const N: usize>(
     text: &str,
     separator: &[char],
     form: &str,

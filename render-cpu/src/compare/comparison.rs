@@ -329,7 +329,7 @@ fn colour(name: &str, image: &ExrImage) -> Result<RgbImage, CompareError> {
 }
 
 /// The R, G, B channels of a layer.
-fn layer(image: &ExrImage, prefix: &str) -> Option<RgbImage> {
+pub(crate) fn layer(image: &ExrImage, prefix: &str) -> Option<RgbImage> {
     let [r, g, b] = ["R", "G", "B"].map(|c| image.channel(&format!("{prefix}{c}")));
     let (r, g, b) = (r?, g?, b?);
     let pixels = (0..r.len())

@@ -6,6 +6,7 @@
 
 pub mod appm;
 pub mod bounds;
+pub mod convergence;
 pub mod half_vector_flatness;
 pub mod mollified_estimator;
 pub mod search;

@@ -172,7 +172,7 @@ pub fn contact_sheet(
     for (i, example) in examples.iter().enumerate() {
         let picture = Preview::new(&example.source(), PICTURE)?.render(spp)?;
         let (x, y) = place(i);
-        canvas.paste(&picture, PICTURE, x, y);
+        canvas.paste(&picture, [PICTURE; 2], x, y);
         done(example.name);
     }
     Ok(canvas)

@@ -57,7 +57,7 @@ pub fn draw(name: &str, preview: &Preview, spp: u32) -> Result<Canvas, AnyError>
         draw_albedo(&albedo, &probe)?;
         draw_roughness(&roughness, &slices)
     })?;
-    canvas.paste(&picture, size, MARGIN, TITLE);
+    canvas.paste(&picture, [size; 2], MARGIN, TITLE);
     Ok(canvas)
 }
 

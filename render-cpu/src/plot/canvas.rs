@@ -65,12 +65,12 @@ impl Canvas {
         Ok(())
     }
 
-    /// Copies a picture of `size` pixels on each side to (x, y); what lies outside is cut off.
-    pub fn paste(&mut self, picture: &[u8], size: u32, x: u32, y: u32) {
-        let rows = size.min(self.height.saturating_sub(y));
-        let columns = size.min(self.width.saturating_sub(x)) as usize;
+    /// Copies a picture of `width` by `height` pixels to (x, y); what lies outside is cut off.
+    pub fn paste(&mut self, picture: &[u8], [width, height]: [u32; 2], x: u32, y: u32) {
+        let rows = height.min(self.height.saturating_sub(y));
+        let columns = width.min(self.width.saturating_sub(x)) as usize;
         for row in 0..rows {
-            let from = 3 * (row * size) as usize;
+            let from = 3 * (row * width) as usize;
             let to = 3 * ((y + row) as usize * self.width as usize + x as usize);
             self.rgb[to..to + 3 * columns].copy_from_slice(&picture[from..from + 3 * columns]);
         }

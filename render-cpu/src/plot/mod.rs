@@ -5,6 +5,8 @@
 //! finite, or not positive on a logarithmic axis) are left out.
 
 pub mod canvas;
+pub mod picture;
+pub mod strategy_sheet;
 
 use canvas::{Area, Canvas, FONT};
 use image::codecs::png::PngEncoder;

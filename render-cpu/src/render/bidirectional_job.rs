@@ -23,7 +23,14 @@ const RAYS: usize = 1024;
 
 /// The vertices of all light walks of a tile.
 #[derive(Default)]
-struct Vertices(Vec<PathVertex>);
+pub(super) struct Vertices(Vec<PathVertex>);
+
+impl Vertices {
+    /// Forgets all, and keeps the room.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
 
 impl VertexStore for Vertices {
     fn push(&mut self, vertex: &PathVertex) -> u32 {
@@ -145,7 +152,7 @@ impl BidirectionalWorkspace {
         self.active.clear();
         self.starts.clear();
         self.last.clear();
-        self.vertices.0.clear();
+        self.vertices.clear();
         for (i, sample) in samples.iter_mut().enumerate() {
             let start = algorithm.emit(&mut sample.light);
             self.walks.push(Walk::from_emitter(&start));

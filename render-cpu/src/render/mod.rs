@@ -13,6 +13,7 @@ pub mod record;
 pub mod run_loop;
 mod splat;
 mod splatting;
+mod strategy_films;
 mod tile_job;
 
 pub use backend::{Backend, PassError};
@@ -20,3 +21,4 @@ pub use checkpoint_file::CheckpointFile;
 pub use cpu_backend::{CpuBackend, Shape, render, render_film, shape};
 pub use options::{Goal, Outcome, RenderOptions, RunState};
 pub use run_loop::{NoObserver, Observer, render_with};
+pub use strategy_films::{StrategyBackend, StrategyPyramid};

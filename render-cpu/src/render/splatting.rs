@@ -81,11 +81,11 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
 
 /// A rectangle of pixels of the window: its first pixel and its size.
 #[derive(Clone, Copy)]
-struct Tile {
-    x: u32,
-    y: u32,
-    width: u32,
-    height: u32,
+pub(super) struct Tile {
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
 }
 
 fn tiles(film: &Film) -> Vec<Tile> {
@@ -114,7 +114,7 @@ fn pixel<T: Traverse>(view: &SceneView<'_, T>, x: u32, y: u32) -> ([u32; 2], u32
 }
 
 /// The samples of a tile in a layer.
-fn tile_samples<T: Traverse, S>(
+pub(super) fn tile_samples<T: Traverse, S>(
     view: &SceneView<'_, T>,
     seed: u32,
     layer: u32,

@@ -1,4 +1,5 @@
 //! Bidirectional path tracing and the path layer on scenes from text.
 
 mod scenes;
+mod strategy_films;
 mod weights;

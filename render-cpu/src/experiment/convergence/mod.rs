@@ -1,0 +1,164 @@
+//! Which algorithm renders a scene best: images of equal processor time against a reference, and error over time.
+//!
+//! All algorithms of [`INTEGRATORS`] that are asked for render the same scene in turn, slice by slice, so that whatever else
+//! the machine does hits all of them ([`race`]). After 1/128, 1/64 ... 1 of the time their images are measured ([`errors`]);
+//! the numbers become a table, a diagram and JSON ([`report`]), the last images a contact sheet with insets ([`sheet`]).
+//!
+//! Without a reference each algorithm renders two images with different random numbers, each for the whole time, and is measured
+//! by their difference; that says nothing of what both miss.
+
+pub mod errors;
+pub mod race;
+pub mod report;
+pub mod sheet;
+
+use errors::{Errors, Reference, ShownErrors, Yardstick};
+use race::{Budget, Runner, race};
+
+use crate::accel::Accel;
+use crate::compare::metrics::RgbImage;
+use crate::film::Film;
+use crate::render::PassError;
+use crate::scene::build::Scene;
+use halflight_kernel::transport::IntegratorSettings;
+
+/// An algorithm that can be compared with others: all of them estimate the whole light of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Integrator {
+    /// Its plugin name.
+    pub name: &'static str,
+    /// What it does.
+    pub about: &'static str,
+}
+
+/// The algorithms that can be compared.
+pub const INTEGRATORS: &[Integrator] = &[
+    Integrator {
+        name: "path",
+        about: "paths from the camera",
+    },
+    Integrator {
+        name: "ptracer",
+        about: "paths from the lights",
+    },
+    Integrator {
+        name: "bdpt",
+        about: "paths from both ends",
+    },
+];
+
+/// The algorithm of a name.
+///
+/// # Errors
+/// If there is none; the message names all.
+pub fn find(name: &str) -> Result<&'static Integrator, String> {
+    INTEGRATORS.iter().find(|i| i.name == name).ok_or_else(|| {
+        let known: Vec<_> = INTEGRATORS.iter().map(|i| i.name).collect();
+        format!(
+            "there is no integrator \"{name}\" to compare; known are {}",
+            known.join(", ")
+        )
+    })
+}
+
+/// What is measured of an image after some time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Processor time in seconds.
+    pub seconds: f64,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// The errors.
+    pub errors: Errors,
+}
+
+/// How an algorithm did.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Its name.
+    pub name: String,
+    /// What was measured, in the order of time.
+    pub curve: Vec<Point>,
+    /// What an observer sees in the last image.
+    pub shown: ShownErrors,
+    /// The last image.
+    pub image: RgbImage,
+    /// Relative squared error per pixel of the last image.
+    pub error_map: Vec<f64>,
+}
+
+/// The mean of a film.
+fn image(film: &Film) -> RgbImage {
+    RgbImage::new(film.width() as usize, film.height() as usize, film.mean())
+}
+
+/// Renders and measures; `done` hears of each share of the budget that is spent.
+///
+/// # Errors
+/// If a film cannot be made or a pass fails.
+pub fn run(
+    scene: &mut Scene,
+    accel: &Accel,
+    integrators: &[(&'static Integrator, IntegratorSettings)],
+    budget: Budget,
+    seed: u32,
+    reference: Option<&Reference>,
+    mut done: impl FnMut(f64),
+) -> Result<Vec<Outcome>, PassError> {
+    // Pairs stand side by side.
+    let runs = if reference.is_some() { 1 } else { 2 };
+    let mut runners = Vec::new();
+    for &(integrator, settings) in integrators {
+        for twin in 0..runs {
+            let seed = seed.wrapping_add(twin);
+            runners.push(Runner::new(integrator.name, scene, settings, seed)?);
+        }
+    }
+    let mut curves: Vec<Vec<Point>> = vec![Vec::new(); integrators.len()];
+    race(&mut runners, scene, accel, budget, |runners, share| {
+        for (runs, curve) in runners.chunks(runs as usize).zip(&mut curves) {
+            let first = &runs[0];
+            let is_new = curve.last().is_none_or(|p| p.samples < first.state.samples);
+            if is_new {
+                curve.push(Point {
+                    seconds: first.seconds,
+                    samples: first.state.samples,
+                    errors: with_yardstick(runs, reference, |image, yardstick| {
+                        Errors::new(image, &first.film.variance_of_mean(), yardstick)
+                    }),
+                });
+            }
+        }
+        done(share);
+    })?;
+    let finished = runners.chunks(runs as usize).zip(curves);
+    Ok(finished
+        .map(|(runs, curve)| {
+            let (shown, error_map) = with_yardstick(runs, reference, |image, yardstick| {
+                let map = errors::relative_squares(image, yardstick);
+                (ShownErrors::new(image, yardstick), map)
+            });
+            Outcome {
+                name: runs[0].name.to_owned(),
+                curve,
+                shown,
+                image: image(&runs[0].film),
+                error_map,
+            }
+        })
+        .collect())
+}
+
+/// Hands on the image of the first run, and what it is measured by.
+fn with_yardstick<R>(
+    runs: &[Runner],
+    reference: Option<&Reference>,
+    measure: impl FnOnce(&RgbImage, Yardstick<'_>) -> R,
+) -> R {
+    let first = image(&runs[0].film);
+    match (reference, runs.get(1)) {
+        (Some(reference), _) => measure(&first, Yardstick::Reference(reference)),
+        (None, Some(twin)) => measure(&first, Yardstick::Twin(&image(&twin.film))),
+        (None, None) => measure(&first, Yardstick::Twin(&first)),
+    }
+}

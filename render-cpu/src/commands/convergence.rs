@@ -216,11 +216,9 @@ fn write_sheet(
     for outcome in outcomes {
         let line = outcome.curve.last().map(|last| {
             format!(
-                "{} samples, {:.1} s, relative MSE {}, trimmed {}",
+                "{} samples, relative MSE {}",
                 last.samples,
-                last.seconds,
-                number(last.errors.relative_mse),
-                number(last.errors.trimmed)
+                number(last.errors.relative_mse)
             )
         });
         columns.push(Column {

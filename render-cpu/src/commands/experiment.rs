@@ -62,10 +62,8 @@ pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error
         for experiment in &ALL {
             println!("{:<24}{}", experiment.name, experiment.about);
         }
-        println!(
-            "{:<24}{}",
-            "convergence", "algorithms on a scene of yours for the same time; see its --help"
-        );
+        let about = "algorithms on a scene of yours for the same time; see its --help";
+        println!("{:<24}{about}", "convergence");
         return Ok(ExitCode::SUCCESS);
     }
     let Some(experiment) = find(name) else {

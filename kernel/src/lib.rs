@@ -5,10 +5,19 @@
 //! from obvhs, the shaders with the crate's own BVH2 walk; only traversal, sampler and film differ.
 //!
 //! # How to read it
-//! [`scene`] holds the plain records that a front end fills and the view that the algorithms read;
-//! [`bsdf`] turns a material record into scattering functions at a point; [`transport`] holds one
-//! algorithm per file; [`manifold`] explores chains of glossy and specular interactions, [`regularize`] blurs what
-//! cannot be sampled. [`math`] is below all of them.
+//! Each module depends on those above it in this table only, and no two files import each other.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`math`] | numbers, vectors, frames, mappings, distributions, linear systems |
+//! | `simd` | structures of arrays and loops compiled per instruction set (hosts only) |
+//! | [`sampler`] | counter-based random numbers and Sobol' points |
+//! | [`scene`] | the plain records that a front end fills, the view that algorithms read, surfaces, cameras, emitters |
+//! | [`bsdf`] | scattering models, and the mixture that a material makes of them at a point |
+//! | [`regularize`] | mollifiers and bounds: blurring what cannot be sampled |
+//! | [`manifold`] | chains of glossy and specular interactions in half-vector space |
+//! | [`path`] | walks, connections, weights and rules that algorithms share |
+//! | [`transport`] | the algorithms, one per file, and their drivers |
 //!
 //! # Conventions
 //! - Local frames have z along the shading normal; directions point away from the surface.

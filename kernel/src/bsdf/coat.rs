@@ -1,4 +1,4 @@
-//! Dielectric coats above any reflecting lobe: what happens to directions and light on the way through them.
+//! Dielectric coats above any reflecting lobe: refraction of directions and transmission of light through them.
 //!
 //! Weidlich and Wilkie 2007, "Arbitrarily Layered Micro-Facet Surfaces", in the form of Jakob's and Bitterli's renderers:
 //!
@@ -56,7 +56,7 @@ impl Coat {
 pub struct Passage {
     /// The direction after the passage.
     pub w: Vec3,
-    /// Product of the boundaries' transmittance and the absorption along the way.
+    /// Product of the transmittances of the boundaries and of the absorbing layers.
     pub transmittance: Rgb,
     /// Solid angle inside per solid angle outside.
     pub jacobian: f32,

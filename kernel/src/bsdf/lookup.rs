@@ -84,7 +84,7 @@ pub(crate) fn fill_lobe(
         lobe.frame = frame_map::perturbed_frame(tables, record.frame, point, wi);
         lobe.has_frame = true;
     }
-    // Shaders have one place for all kinds, see `parameters`.
+    // Shaders look up the parameters of all kinds together, see `parameters`.
     #[cfg(not(target_arch = "spirv"))]
     if record.kind == lobe_kind::DIFFUSE {
         lobe.reflectance = eval_rgb(tables, &record.reflectance, point);

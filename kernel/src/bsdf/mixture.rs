@@ -17,8 +17,8 @@ use crate::scene::features;
 use crate::scene::{MAX_LOBES, NONE, SurfacePoint, Tables, lobe_kind};
 use glam::{Vec2, Vec3};
 
-/// A reference to a variable that holds the value of a place. Shaders pass variables to functions, but copy the function
-/// where it is given a place within a larger value; on hosts the place itself is the cheaper argument.
+/// A reference to a lobe of the mixture. In shaders it is to a copy in a variable: a function is copied to callers that pass it
+/// part of a larger value. On hosts the element of the array itself is the cheaper argument.
 #[cfg(target_arch = "spirv")]
 macro_rules! variable {
     ($self:ident.lobes[$i:ident]) => {{
@@ -64,7 +64,7 @@ impl Bsdf {
         bsdf
     }
 
-    /// [`Bsdf::at`] in the place of another, so that a walk does not clear and copy all of [`MAX_LOBES`] at every point.
+    /// [`Bsdf::at`] that overwrites `self`, so that a walk does not clear and copy all of [`MAX_LOBES`] at every point.
     #[inline]
     pub fn look_up(&mut self, tables: &Tables<'_>, point: &SurfacePoint, wi: Vec3, mode: u32) {
         self.count = 0;
@@ -90,7 +90,7 @@ impl Bsdf {
             return;
         }
         let weight = weight(tables, record, point);
-        let i = self.place(self.count as usize);
+        let i = self.slot(self.count as usize);
         if weight > 0.0 && i < MAX_LOBES {
             fill_lobe(&mut self.lobes[i], tables, record, point, wi, weight, mode);
             self.count += 1;
@@ -110,9 +110,9 @@ impl Bsdf {
         }
     }
 
-    /// Where lobe `i` is: a constant if there may be but one, so that no shader needs an array.
+    /// The slot of lobe `i`: a constant if there may be only one lobe, so that the shader needs no array.
     #[inline]
-    fn place(&self, i: usize) -> usize {
+    fn slot(&self, i: usize) -> usize {
         if self.may_mix() { i } else { 0 }
     }
 
@@ -158,10 +158,10 @@ impl Bsdf {
         self.count
     }
 
-    /// Lobe `i` where it is.
+    /// A reference to lobe `i`.
     #[inline]
     pub(super) fn lobe_at(&self, i: u32) -> &Lobe {
-        &self.lobes[self.place(i as usize)]
+        &self.lobes[self.slot(i as usize)]
     }
 
     /// Lobe `i`.
@@ -181,7 +181,7 @@ impl Bsdf {
     pub fn eval_cosine(&self, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         let mut f = Vec3::ZERO;
         for i in 0..self.count as usize {
-            let i = self.place(i);
+            let i = self.slot(i);
             let lobe = variable!(self.lobes[i]);
             f += lobe::eval_cosine(lobe, data, wi, wo) * lobe.weight;
         }
@@ -193,7 +193,7 @@ impl Bsdf {
     pub fn pdf(&self, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         let mut p = 0.0;
         for i in 0..self.count as usize {
-            let i = self.place(i);
+            let i = self.slot(i);
             let lobe = variable!(self.lobes[i]);
             p += lobe::pdf(lobe, data, wi, wo) * self.selection[i];
         }
@@ -212,7 +212,7 @@ impl Bsdf {
         let mut f = Vec3::ZERO;
         let mut p = 0.0;
         for i in 0..self.count as usize {
-            let i = self.place(i);
+            let i = self.slot(i);
             if i != skip {
                 let lobe = variable!(self.lobes[i]);
                 let (lobe_f, lobe_p) = lobe::eval_cosine_pdf(lobe, data, wi, wo);
@@ -262,7 +262,7 @@ impl Bsdf {
         if s.pdf <= 0.0 {
             return BsdfSample::NONE;
         }
-        let chosen = self.place(chosen as usize);
+        let chosen = self.slot(chosen as usize);
         let q = self.selection[chosen];
         // Only the direction is known, in shaders: see `model::sample`.
         let is_direction = self.may_need_values() && s.event & event::UNWEIGHTED != 0;
@@ -312,7 +312,7 @@ impl Bsdf {
     pub fn has_smooth(&self) -> bool {
         let mut found = false;
         for i in 0..self.count as usize {
-            let i = self.place(i);
+            let i = self.slot(i);
             found = found || !lobe::is_delta(self.lobes[i].kind);
         }
         found

@@ -1,4 +1,4 @@
-//! The one place where float functions are chosen.
+//! The switch between the float functions of std, libm and SPIR-V.
 //!
 //! Those that are exactly rounded everywhere come from std on hosts that enable it and from libm elsewhere, whose names
 //! rust-gpu replaces by the shader's own instructions (a root of a device may be off by 2.5 ulp). All others are our own:

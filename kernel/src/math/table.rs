@@ -1,6 +1,6 @@
 //! Elements of tables by indices that may lie beyond their ends.
 //!
-//! A shader reads what the index says. On hosts what lies beyond the end is zeros, because loops over lanes become vectors only
+//! A shader reads what the index says. On hosts what lies beyond the end is zeros, because loops over lanes are vectorised only
 //! where nothing can panic. Lanes gather by offsets of one word instead of two where a compiler sees that offsets are that
 //! small (in half the instructions), so tables have at most [`most_elements`]. Scenes with more are refused where they are
 //! built ([`crate::scene::Tables::oversized`]).
@@ -45,7 +45,7 @@ pub fn within<T>(table: &[T], i: u32) -> Option<&T> {
     }
 }
 
-/// Element `i` of a table, on hosts zeros beyond its end: loops over lanes become vectors only where nothing can panic.
+/// Element `i` of a table, on hosts zeros beyond its end: loops over lanes are vectorised only where nothing can panic.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn element<T: Copy + bytemuck::Zeroable>(table: &[T], i: u32) -> T {

@@ -1,6 +1,6 @@
-//! Many rays for one question to a ray tracer, and its answers.
+//! Batches of rays for a ray tracer, and of their hits, as structures of arrays.
 //!
-//! Hosts only: a shader asks for one ray.
+//! Hosts only: a shader traces single rays.
 
 use super::hit::Hit;
 use crate::math::Ray;
@@ -43,7 +43,7 @@ impl<const N: usize> RayBatch<N> {
     }
 }
 
-/// What rays meet, each at the place of its ray.
+/// What rays hit, each at the index of its ray.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Zeroable)]
 pub struct HitBatch<const N: usize> {

@@ -2,7 +2,7 @@
 //!
 //! Texel (i, j) of a bitmap of w by h has its centre at ((i + 1/2) / w, (j + 1/2) / h). Every lookup is total:
 //! coordinates that are not finite or absurdly large read some texel. The functions are written without early ways out,
-//! because loops over lanes are to become vectors ([`crate::simd::lanes`]).
+//! because loops over lanes are to be vectorised ([`crate::simd::lanes`]).
 
 use super::records::*;
 use super::view::Tables;

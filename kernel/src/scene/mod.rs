@@ -1,4 +1,4 @@
-//! Scenes as plain tables, and what can be asked of them.
+//! Scenes as plain tables, and what is computed from them: surfaces, textures, emitters, cameras, ray traversal.
 //!
 //! A front end fills vectors of the [`records`] and lends them as [`Tables`]; with a ray traverser they make a
 //! [`SceneView`], the only thing that transport algorithms see.

@@ -1,12 +1,12 @@
-//! What a ray tracer must answer.
+//! The interface of ray tracers.
 
 #[cfg(not(target_arch = "spirv"))]
 use super::batch::{HitBatch, RayBatch};
 use super::hit::Hit;
 use crate::math::Ray;
 
-/// How far beyond its nearest hit a traverser looks, as a factor: boxes at the same distance are visited still, though
-/// their distances were rounded otherwise, because an intersection in them may come first in the order.
+/// The factor by which a traverser looks beyond its nearest hit. Boxes at the same distance, which rounds differently, are
+/// still visited: an intersection in them may come first in the order.
 pub const REACH: f32 = 1.0 + 1e-6;
 
 /// A ray tracer over the scene's primitives.
@@ -29,8 +29,8 @@ pub trait Traverse {
         closest_hits_in_turn(self, rays, count, hits);
     }
 
-    /// [`Traverse::is_occluded`] of the first `count` rays: [`HitBatch::is_hit`] tells which are. Nothing else of the hits is
-    /// meant to be read.
+    /// [`Traverse::is_occluded`] of the first `count` rays: [`HitBatch::is_hit`] is true for occluded rays; the
+    /// other fields of the hits are undefined.
     #[cfg(not(target_arch = "spirv"))]
     fn are_occluded<const N: usize>(
         &self,

@@ -41,7 +41,7 @@ impl SampleCounts {
     };
 }
 
-/// Light that arrives unless something stands between.
+/// The contribution of an emitter sample, and the segment whose visibility it is multiplied by.
 #[derive(Clone, Copy, Debug)]
 pub struct Connection {
     /// What it adds to the radiance towards the viewer.

@@ -247,12 +247,12 @@ impl Path {
     }
 }
 
-/// Light that an emitter sample adds to a path unless something stands in its way.
+/// A shadow ray: the contribution of an emitter sample to a path, which counts if the ray is not occluded.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRay {
-    /// What the surface reflects of it, and the segment to the emitter.
+    /// The light that the surface reflects, and the segment to the emitter.
     pub connection: Connection,
-    /// The path's throughput where it arrives.
+    /// The path's throughput at the surface.
     pub throughput: Rgb,
 }
 
@@ -263,11 +263,11 @@ impl ShadowRay {
         throughput: Rgb::ZERO,
     };
 
-    /// The light that is not in a shadow.
+    /// The contribution that is not occluded.
     #[inline]
     pub fn unshadowed<T: Traverse>(&self, view: &SceneView<'_, T>) -> Rgb {
         let Connection { radiance, ray } = self.connection;
-        // In this order: waves keep the first product only.
+        // In this order: wavefronts store the first product only.
         self.throughput * radiance * transmittance(view, ray)
     }
 }

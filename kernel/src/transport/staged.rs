@@ -131,7 +131,7 @@ pub struct PathRecord {
     sample_event: u32,
     /// The lobe that it was sampled from.
     sample_lobe: u32,
-    /// What the emitter sample adds unless something stands in its way.
+    /// What the emitter sample adds if it is not occluded.
     connection: [f32; 3],
     connection_ray: RayRecord,
 }

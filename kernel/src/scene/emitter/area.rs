@@ -113,7 +113,7 @@ pub fn sample_with_point(
     if !(sample.pdf > 0.0) {
         return (DirectSample::NONE, point);
     }
-    // In one place for all shapes, because shader compilers copy the texture lookup to every call.
+    // Once for all shapes, because shader compilers copy the texture lookup to every call.
     sample.target = point.offset_position(-sample.direction);
     sample.radiance = area_radiance(tables, &point, -sample.direction);
     sample.emitter = emitter;

@@ -2,7 +2,7 @@
 //!
 //! [`surface_at`](super::surface_at) looks up a hit's primitive, its shape and vertices and its instance, and a traverser
 //! over other tables than the view's would lead it beyond their ends, to a panic or to zeros. Here each look-up asks
-//! first, once, and the hit is refused. A walk takes this way; a traverser over the same tables is never refused. Checked:
+//! first, once, and the hit is refused. Walks on manifolds use it; a traverser over the same tables is never refused. Checked:
 //! hits of every index against `surface_at`; that the walk, compiled, calls no panic handler (`benches/README.md`).
 
 use super::instance::transform_to_world;

@@ -1,7 +1,8 @@
 //! Whole files as bytes, with a bound.
 //!
 //! Readers of this crate take byte slices; this is the one place where a slice comes from the file system. Anything but
-//! a regular file (a device, a pipe, a directory) is refused, because it may never end.
+//! a regular file (a device, a pipe, a directory) is refused, because it may never end, and so is what downloads leave under
+//! the name of another file: a pointer of Git LFS, a web page.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -11,7 +12,8 @@ use std::path::Path;
 ///
 /// # Errors
 /// What the operating system says; [`io::ErrorKind::InvalidInput`] when it is no regular file,
-/// [`io::ErrorKind::FileTooLarge`] when it is longer than `max_bytes`.
+/// [`io::ErrorKind::FileTooLarge`] when it is longer than `max_bytes`, [`io::ErrorKind::InvalidData`] for what [`mistaken`]
+/// knows.
 pub fn read_file(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let metadata = file.metadata()?;
@@ -39,5 +41,37 @@ pub fn read_file(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > max_bytes {
         return Err(too_large());
     }
-    Ok(bytes)
+    match mistaken(path, &bytes) {
+        Some(what) => Err(io::Error::new(io::ErrorKind::InvalidData, what)),
+        None => Ok(bytes),
+    }
+}
+
+/// What a file holds instead of what its name says, in a sentence: a pointer of Git LFS, or a web page.
+pub fn mistaken(path: &Path, bytes: &[u8]) -> Option<String> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.starts_with(b"version https://git-lfs.github.com/spec/") {
+        return Some(
+            "is a pointer to a file in Git LFS; \"git lfs pull\" in its repository fetches the file itself"
+                .into(),
+        );
+    }
+    let start = bytes.trim_ascii_start();
+    let begins = |with: &[u8]| {
+        start
+            .get(..with.len())
+            .is_some_and(|start| start.eq_ignore_ascii_case(with))
+    };
+    if !begins(b"<!doctype html") && !begins(b"<html") {
+        return None;
+    }
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    Some(match extension.to_uppercase().as_str() {
+        "" => "is a web page".into(),
+        // Letters whose names begin with a vowel.
+        name if name.starts_with(['A', 'E', 'F', 'H', 'I', 'L', 'M', 'N', 'O', 'R', 'S', 'X']) => {
+            format!("is a web page, not an {name} file")
+        }
+        name => format!("is a web page, not a {name} file"),
+    })
 }

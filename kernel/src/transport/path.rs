@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Densities are per solid angle at the vertex that scatters. Straight passage through a mask (a null event) leaves the
-//! vertex of reference, its density and the depth as they are. Paths end at `max_depth` edges, and at random from
-//! `rr_depth` edges on with survival min(max(beta) eta^2, 0.95), where eta^2 undoes the scaling of refracted radiance.
+//! vertex of reference, its density and the depth as they are, on the last edge as on any other. Paths end at `max_depth`
+//! edges, and at random from `rr_depth` edges on with survival min(max(beta) eta^2, 0.95), where eta^2 undoes the scaling of refracted radiance.
 //!
 //! The walk is written as steps of a [`Path`], which [`radiance`] calls in a loop and [`super::staged`] one by one with
 //! the path in a buffer.
@@ -22,7 +22,7 @@ use crate::bsdf::{Bsdf, BsdfSample, event, mode, null_transmittance};
 use crate::math::{Ray, Rgb};
 pub use crate::path::rules::step;
 use crate::path::rules::{MAX_SURVIVAL, is_same_side};
-use crate::path::visibility::{MAX_NULL_CROSSINGS, pass_through, transmittance};
+use crate::path::visibility::{MAX_NULL_CROSSINGS, has_masks, pass_through, transmittance};
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, SceneView, SurfacePoint, Tables, Traverse, emitter};
@@ -132,7 +132,12 @@ impl Path {
             self.add_emission(tables, point);
         }
         if self.depth + 1 >= settings.max_depth {
-            return step::END;
+            // Masks are not counted: what shines behind one is on this last edge still.
+            return if has_masks(tables, point) {
+                self.look_through(tables, point)
+            } else {
+                step::END
+            };
         }
         let wi = self.local_direction(point);
         if settings.strict_normals != 0 && !is_same_side(point, -self.ray.direction, wi.z) {

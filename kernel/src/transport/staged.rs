@@ -283,6 +283,8 @@ pub fn arrive(tables: &Tables<'_>, settings: &IntegratorSettings, record: &mut P
         record.step = step::END;
     }
     record.radiance = numbers(path.radiance);
+    // Behind a mask on the last edge less is left.
+    record.throughput = numbers(path.throughput);
     record.crossings = path.crossings;
     record.ray = RayRecord::new(&path.ray);
 }

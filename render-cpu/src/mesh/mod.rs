@@ -8,18 +8,25 @@
 //! and calls [`Mesh::compute_vertex_normals`] then, unless face normals are asked for by the scene or by the file
 //! ([`Mesh::face_normals`]).
 //!
+//! What a reader leaves out or repairs is said in [`Mesh::warnings`]. A file without a usable triangle is no error: its mesh is
+//! empty.
+//!
 //! # Hostile files
 //! No reader reserves memory for a count that it has not held against the bytes that are left, and none recurses.
 
+mod creases;
 mod error;
+mod materials;
 pub mod obj;
 pub mod ply;
 mod ply_header;
 mod ply_values;
 pub mod serialized;
+mod text;
 mod triangulate;
 
 pub use error::{MeshError, Place};
+pub use materials::MaterialNames;
 
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator,
@@ -64,21 +71,27 @@ pub struct Mesh {
     pub vertex_attributes: Vec<Attribute>,
     /// Attributes per triangle.
     pub face_attributes: Vec<Attribute>,
+    /// Names of materials in the file.
+    pub materials: MaterialNames,
     /// The file asks to be shaded with face normals (`.serialized` only).
     pub face_normals: bool,
+    /// Angle in radians beyond which edges are sharp, if the scene gives one; see [`Mesh::split_at_creases`].
+    pub max_smooth_angle: Option<f32>,
+    /// What was left out or repaired, a sentence each.
+    pub warnings: Vec<String>,
 }
 
 impl Mesh {
     /// Checks everything that the rest of the program relies on, and repairs what has an obvious repair.
     ///
-    /// Repairs, each with one warning: degenerate triangles (no area in `f32`) are dropped together with their face
+    /// Repairs, each with one of [`Mesh::warnings`]: degenerate triangles (no area in `f32`) are dropped together with their face
     /// attributes; a vertex normal that is zero or not finite is replaced by the angle-weighted mean of the normals of
     /// the adjacent faces; texture coordinates and attribute values that are not finite become zero. Normals are
     /// normalised. `file` is for messages only.
     ///
     /// # Errors
-    /// When a position is not finite or beyond [`MAX_COORDINATE`], a triangle refers to a vertex that does not exist,
-    /// a table has the wrong length, or no triangle with an area is left.
+    /// When a position is not finite or beyond [`MAX_COORDINATE`], a triangle refers to a vertex that does not exist, or
+    /// a table has the wrong length.
     pub fn validate(&mut self, file: &Path) -> Result<(), MeshError> {
         let fail = |what: String| Err(MeshError::malformed(file, Place::Whole, what));
         let count = self.positions.len();
@@ -117,12 +130,14 @@ impl Mesh {
                 "triangle {t} (counted from zero) refers to vertex {bad}, but there are {count}"
             ));
         }
-        self.drop_degenerate_triangles(file);
-        if self.triangles.is_empty() {
-            return fail("the mesh has no triangle with an area".into());
+        if !(self.materials.of_triangle.is_empty()
+            || self.materials.of_triangle.len() == self.triangles.len())
+        {
+            return fail("materials do not match the triangles".into());
         }
-        self.repair_normals(file);
-        self.repair_values(file);
+        self.drop_degenerate_triangles();
+        self.repair_normals();
+        self.repair_values();
         Ok(())
     }
 
@@ -167,7 +182,8 @@ impl Mesh {
         Some((t, bad(triangle)?))
     }
 
-    fn drop_degenerate_triangles(&mut self, file: &Path) {
+    /// Drops triangles without an area, with a warning.
+    pub(crate) fn drop_degenerate_triangles(&mut self) {
         let positions = &self.positions;
         let is_kept = |t: &[u32; 3]| has_area(&t.map(|i| positions[i as usize]));
         let triangles = self.triangles.par_iter().with_min_len(MIN_SHARE);
@@ -176,13 +192,16 @@ impl Mesh {
         }
         let keep: Vec<bool> = self.triangles.iter().map(is_kept).collect();
         let dropped = keep.iter().filter(|k| !**k).count();
-        tracing::warn!(
-            "{}: {dropped} of {} triangles have no area and are dropped",
-            file.display(),
+        self.warnings.push(format!(
+            "{dropped} of {} triangles have no area and are left out",
             keep.len()
-        );
+        ));
         let mut kept = keep.iter();
         self.triangles.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.materials
+            .of_triangle
+            .retain(|_| kept.next() == Some(&true));
         for attribute in &mut self.face_attributes {
             let channels = attribute.channels as usize;
             let mut i = 0;
@@ -193,7 +212,7 @@ impl Mesh {
         }
     }
 
-    fn repair_normals(&mut self, file: &Path) {
+    fn repair_normals(&mut self) {
         let mut bad = Vec::new();
         for (i, normal) in self.normals.iter_mut().enumerate() {
             match normalized(*normal) {
@@ -204,11 +223,10 @@ impl Mesh {
         if bad.is_empty() {
             return;
         }
-        tracing::warn!(
-            "{}: {} vertex normals are zero or not finite and are replaced by those of the faces",
-            file.display(),
+        self.warnings.push(format!(
+            "{} vertex normals are zero or not finite and are replaced by those of the faces",
             bad.len()
-        );
+        ));
         let given = std::mem::take(&mut self.normals);
         self.compute_vertex_normals();
         let computed = std::mem::replace(&mut self.normals, given);
@@ -217,7 +235,7 @@ impl Mesh {
         }
     }
 
-    fn repair_values(&mut self, file: &Path) {
+    fn repair_values(&mut self) {
         let mut repaired = 0_usize;
         let attributes = self
             .vertex_attributes
@@ -231,10 +249,9 @@ impl Mesh {
             }
         }
         if repaired > 0 {
-            tracing::warn!(
-                "{}: {repaired} texture coordinates or attribute values are not finite and become zero",
-                file.display()
-            );
+            self.warnings.push(format!(
+                "{repaired} texture coordinates or attribute values are not finite and become zero"
+            ));
         }
     }
 }

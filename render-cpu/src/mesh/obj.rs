@@ -1,8 +1,9 @@
 //! Wavefront OBJ meshes.
 //!
-//! Read are `v` (with colours, if six numbers follow), `vt`, `vn` and `f` with every form of index, negative ones
-//! included; polygons are triangulated. Everything else (materials, groups, smoothing, lines, curves) is skipped: the
-//! whole file is one mesh. Each distinct triple of position, texture coordinate and normal becomes one vertex, numbered
+//! Read are `v` (with colours, if six numbers follow), `vt`, `vn`, `f` with every form of index, negative ones
+//! included, and the names of `usemtl`; polygons are triangulated. Groups, smoothing groups and `mtllib` are passed over; lines,
+//! points and curved surfaces are left out with a warning. The whole file is one mesh ([`Mesh::part`] takes it apart by
+//! material). Each distinct triple of position, texture coordinate and normal becomes one vertex, numbered
 //! by first use, as in Mitsuba 3. Colours become the attribute `vertex_color`, which Mitsuba does not read.
 //!
 //! # Why not a library
@@ -10,11 +11,14 @@
 //! triangulates by fans only, which is wrong for concave polygons.
 //!
 //! # Leniency
-//! Lines may end in LF, CR LF or CR; a backslash at the end joins lines; `#` starts a comment anywhere. Bytes need not be
-//! UTF-8. An index must refer to an element defined above it.
+//! Lines may end in LF, CR LF or CR; a backslash at the end joins lines; `#` starts a comment wherever a word may begin. Bytes need
+//! not be UTF-8; a byte order mark is skipped. Positive indices may refer to elements that are defined further down. A corner
+//! without the texture coordinate or normal that it names has none, and a face of fewer than three corners is left
+//! out; both with a warning.
 
+use super::text::{number, plain};
 use super::triangulate::Triangulator;
-use super::{Attribute, Mesh, MeshError, Place, is_usable, read_file};
+use super::{Attribute, MaterialNames, Mesh, MeshError, Place, is_usable, read_file};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -38,13 +42,34 @@ pub fn load(path: impl AsRef<Path>, flip_tex_coords: bool) -> Result<Mesh, MeshE
 /// # Errors
 /// When a line cannot be understood (with its number), and as [`Mesh::validate`].
 pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, MeshError> {
+    let bytes = plain(bytes);
     let mut parser = Parser::default();
-    let mut lines = Lines::new(bytes);
-    let mut triangulator = Triangulator::new();
-    while let Some((number, line)) = lines.next() {
-        parser
-            .line(line, flip_tex_coords, &mut triangulator)
-            .map_err(|what| MeshError::malformed(file, Place::Line(number), what))?;
+    if let Err(error) = parser.lines(&bytes, flip_tex_coords, file) {
+        if !parser.refers_ahead {
+            return Err(error);
+        }
+        // Once more, with the elements of the whole file.
+        let mut tables = Parser {
+            skips_faces: true,
+            ..Parser::default()
+        };
+        tables.lines(&bytes, flip_tex_coords, file)?;
+        parser = Parser {
+            positions: tables.positions,
+            colors: tables.colors,
+            uvs: tables.uvs,
+            normals: tables.normals,
+            is_complete: true,
+            ..Parser::default()
+        };
+        parser.lines(&bytes, flip_tex_coords, file)?;
+    }
+    if parser.positions.is_empty() && parser.triangles.is_empty() {
+        return Err(MeshError::malformed(
+            file,
+            Place::Whole,
+            "there is no vertex and no face in it; is it an OBJ file?",
+        ));
     }
     let mut mesh = parser.finish();
     mesh.validate(file)?;
@@ -98,7 +123,7 @@ impl<'a> Lines<'a> {
         };
         self.rest = &self.rest[next..];
         // A comment ends with its line, even if it ends in a backslash, as paths of directories do.
-        if let Some(comment) = line.iter().position(|&b| b == b'#') {
+        if let Some(comment) = comment_start(line) {
             return Some((&line[..comment], false));
         }
         match line.trim_ascii_end() {
@@ -108,8 +133,21 @@ impl<'a> Lines<'a> {
     }
 }
 
+/// Where a comment begins: at a `#` that no other character touches from the left.
+fn comment_start(line: &[u8]) -> Option<usize> {
+    (0..line.len()).find(|&i| line[i] == b'#' && (i == 0 || line[i - 1].is_ascii_whitespace()))
+}
+
 #[derive(Default)]
 struct Parser {
+    /// The elements are those of the whole file already.
+    is_complete: bool,
+    /// Only elements are wanted.
+    skips_faces: bool,
+    /// A face was met that refers to an element further down.
+    refers_ahead: bool,
+    /// Positions, texture coordinates and normals above the current line.
+    seen: [usize; 3],
     positions: Vec<[f32; 3]>,
     colors: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -120,9 +158,35 @@ struct Parser {
     triangles: Vec<[u32; 3]>,
     corners: Vec<u32>,
     corner_positions: Vec<[f32; 3]>,
+    /// Names of materials; the first is that of faces before any.
+    materials: Vec<String>,
+    /// The material of the next face.
+    material: u32,
+    of_triangle: Vec<u32>,
+    /// Faces, corners and other things that were left out.
+    small_faces: u64,
+    missing_uvs: u64,
+    missing_normals: u64,
+    other_geometry: u64,
 }
 
 impl Parser {
+    fn lines(&mut self, bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<(), MeshError> {
+        let mut lines = Lines::new(bytes);
+        let mut triangulator = Triangulator::new();
+        while let Some((number, line)) = lines.next() {
+            self.line(line, flip_tex_coords, &mut triangulator)
+                .map_err(|what| MeshError::malformed(file, Place::Line(number), what))?;
+        }
+        Ok(())
+    }
+
+    /// Whether an element of the kind that [`Self::seen`] counts is to be kept; counts it.
+    fn is_new(&mut self, kind: usize) -> bool {
+        self.seen[kind] += 1;
+        !self.is_complete
+    }
+
     fn line(
         &mut self,
         line: &[u8],
@@ -137,6 +201,9 @@ impl Parser {
                 let (numbers, count) = numbers::<6>(words)?;
                 if count < 3 {
                     return Err("a vertex needs three coordinates".into());
+                }
+                if !self.is_new(0) {
+                    return Ok(());
                 }
                 let position = [numbers[0], numbers[1], numbers[2]];
                 if !is_usable(&position) {
@@ -154,32 +221,56 @@ impl Parser {
                 if count < 1 {
                     return Err("a texture coordinate needs a number".into());
                 }
-                self.uvs
-                    .push([u, if flip_tex_coords { 1.0 - v } else { v }]);
+                if self.is_new(1) {
+                    self.uvs
+                        .push([u, if flip_tex_coords { 1.0 - v } else { v }]);
+                }
             }
             Some(b"vn") => {
                 let (normal, count) = numbers::<3>(words)?;
                 if count < 3 {
                     return Err("a normal needs three numbers".into());
                 }
-                self.normals.push(normal);
+                if self.is_new(2) {
+                    self.normals.push(normal);
+                }
             }
-            Some(b"f") => {
+            Some(b"f" | b"fo") if !self.skips_faces => {
                 self.corners.clear();
                 for word in words {
                     let corner = self.corner(word)?;
                     self.corners.push(corner);
                 }
-                self.face(triangulator)?;
+                self.face(triangulator);
             }
+            Some(b"usemtl") => {
+                let name = line.trim_ascii_start()[b"usemtl".len()..].trim_ascii();
+                self.use_material(&String::from_utf8_lossy(name));
+            }
+            Some(b"l" | b"p" | b"curv" | b"curv2" | b"surf") => self.other_geometry += 1,
             _ => {}
         }
         Ok(())
     }
 
+    /// Takes a name for the faces that follow.
+    fn use_material(&mut self, name: &str) {
+        if self.materials.is_empty() {
+            self.materials.push(String::new());
+        }
+        self.of_triangle.resize(self.triangles.len(), self.material);
+        let known = self.materials.iter().position(|known| known == name);
+        let index = known.unwrap_or(self.materials.len());
+        if index == self.materials.len() {
+            self.materials.push(name.to_owned());
+        }
+        self.material = index as u32;
+    }
+
     /// The mesh's vertex for `position`, `position/uv`, `position//normal` or `position/uv/normal`.
     fn corner(&mut self, word: &[u8]) -> Result<u32, String> {
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        let seen = self.seen;
         let names = ["vertex", "texture coordinate", "normal"];
         let mut triple = [ABSENT; 3];
         for (k, part) in word.split(|&b| b == b'/').enumerate() {
@@ -189,16 +280,26 @@ impl Parser {
             if part.is_empty() && k > 0 {
                 continue;
             }
-            let index: i64 = parse(part)
+            let index: i64 = std::str::from_utf8(part)
+                .ok()
+                .and_then(|part| part.parse().ok())
                 .ok_or_else(|| format!("\"{}\" is not an index of a corner", show(word)))?;
             let count = counts[k];
             // Positive indices count from the first element, negative ones back from the latest.
             let resolved = if index < 0 {
-                index.saturating_add(count as i64)
+                index.saturating_add(seen[k] as i64)
             } else {
                 index - 1
             };
             if resolved < 0 || resolved >= count as i64 {
+                if index > 0 && !self.is_complete {
+                    self.refers_ahead = true;
+                } else if k > 0 {
+                    let missing = [&mut self.missing_uvs, &mut self.missing_normals];
+                    let [uvs, normals] = missing;
+                    *(if k == 1 { uvs } else { normals }) += 1;
+                    continue;
+                }
                 return Err(format!(
                     "{} {index} does not exist; {count} are defined up to here",
                     names[k]
@@ -218,14 +319,15 @@ impl Parser {
         }))
     }
 
-    fn face(&mut self, triangulator: &mut Triangulator) -> Result<(), String> {
+    fn face(&mut self, triangulator: &mut Triangulator) {
         let corners = &self.corners;
         if let [a, b, c] = corners[..] {
             self.triangles.push([a, b, c]);
-            return Ok(());
+            return;
         }
         if corners.len() < 3 {
-            return Err("a face needs three corners".into());
+            self.small_faces += 1;
+            return;
         }
         let (positions, vertices) = (&self.positions, &self.vertices);
         self.corner_positions.clear();
@@ -237,7 +339,6 @@ impl Parser {
         triangulator.polygon(&self.corner_positions, |triangle| {
             self.triangles.push(triangle.map(|k| corners[k]));
         });
-        Ok(())
     }
 
     fn finish(mut self) -> Mesh {
@@ -253,7 +354,37 @@ impl Parser {
                 values: self.attribute(0, &self.colors, [1.0; 3]).into_flattened(),
             });
         }
+        if !self.materials.is_empty() {
+            self.of_triangle.resize(self.triangles.len(), self.material);
+        }
+        let warnings = [
+            (
+                self.small_faces,
+                "faces with fewer than three corners are left out",
+            ),
+            (
+                self.missing_uvs,
+                "corners name texture coordinates that do not exist, and get none",
+            ),
+            (
+                self.missing_normals,
+                "corners name normals that do not exist, and get those of the faces",
+            ),
+            (
+                self.other_geometry,
+                "points, lines, curves or curved surfaces are left out",
+            ),
+        ];
         Mesh {
+            warnings: warnings
+                .iter()
+                .filter(|(count, _)| *count > 0)
+                .map(|(count, what)| format!("{count} {what}"))
+                .collect(),
+            materials: MaterialNames {
+                names: std::mem::take(&mut self.materials),
+                of_triangle: std::mem::take(&mut self.of_triangle),
+            },
             positions: self.attribute(0, &self.positions, [0.0; 3]),
             normals,
             uvs,
@@ -280,14 +411,10 @@ fn numbers<'a, const N: usize>(
     let mut numbers = [0.0; N];
     let mut count = 0;
     for (slot, word) in numbers.iter_mut().zip(words) {
-        *slot = parse(word).ok_or_else(|| format!("\"{}\" is not a number", show(word)))?;
+        *slot = number(word).ok_or_else(|| format!("\"{}\" is not a number", show(word)))?;
         count += 1;
     }
     Ok((numbers, count))
-}
-
-fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
-    std::str::from_utf8(word).ok()?.parse().ok()
 }
 
 /// A word for a message: printable and not too long.

@@ -2,7 +2,9 @@
 //!
 //! Of the element `vertex` are read: positions `x y z`; normals `nx ny nz`; texture coordinates `u v`, `s t` or
 //! `texture_u texture_v`; and attributes. Of the element `face`: the list `vertex_indices` or `vertex_index`, with
-//! polygons triangulated, and attributes, repeated for each triangle of a polygon. Other elements are skipped.
+//! polygons triangulated; the list `texcoord` of MeshLab, which gives each corner coordinates of its own; and attributes,
+//! repeated for each triangle of a polygon. Of `tristrips`: the list of indices, where -1 ends a strip. Other elements
+//! are passed over.
 //!
 //! # Attributes
 //! As in Mitsuba 3, consecutive properties with a common stem are the channels of one attribute, and there must be one
@@ -16,10 +18,13 @@
 //! vertex, and its typed elements leave to the caller what is most of the work here: columns that are grouped at run time
 //! by their names. What is left over, the header, is the smaller part.
 
+use super::materials::{pick, pick_attributes};
 use super::ply_header::{Element, Header, Property, Scalar};
 use super::ply_values::Values;
+use super::text::plain;
 use super::triangulate::Triangulator;
 use super::{Attribute, Mesh, MeshError, read_file};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// What Mitsuba's `ply` plugin assumes for `flip_tex_coords`.
@@ -40,14 +45,24 @@ pub fn load(path: impl AsRef<Path>, flip_tex_coords: bool) -> Result<Mesh, MeshE
 /// When the header or the values cannot be understood (with the line, or the offset in a binary file), and as
 /// [`Mesh::validate`].
 pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, MeshError> {
+    // A mark can only stand before the text of the header; behind it may be bytes of any kind.
+    let text = match bytes {
+        [0xfe, 0xff, ..] | [0xff, 0xfe, ..] => plain(bytes),
+        _ => bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).into(),
+    };
+    let bytes = &text[..];
     let header = Header::read(bytes, file)?;
     let mut values = Values::after(&header, bytes);
     let mut mesh = Mesh::default();
     for element in &header.elements {
         let result = match element.name.as_str() {
             "vertex" if mesh.positions.is_empty() => read_vertices(element, &mut values, &mut mesh),
-            "face" if mesh.triangles.is_empty() => {
-                read_faces(element, &mut values, &mut mesh, file)
+            "face" if mesh.triangles.is_empty() => read_faces(element, &mut values, &mut mesh),
+            "tristrips" => read_strips(element, &mut values, &mut mesh),
+            "polyline" | "edge" if element.count > 0 => {
+                mesh.warnings
+                    .push(format!("{} lines are left out", element.count));
+                skip(element, &mut values)
             }
             _ => skip(element, &mut values),
         };
@@ -110,7 +125,7 @@ fn read_vertices(
         .into_iter()
         .find(|pair| has(pair));
 
-    let (mut targets, attributes) = attribute_targets(element, "vertex_");
+    let (mut targets, attributes) = attribute_targets(element, "vertex_", &mut mesh.warnings);
     for (target, name) in targets.iter_mut().zip(&names) {
         let index = |list: &[&str]| list.iter().position(|n| n == name);
         if let Some(k) = index(&places) {
@@ -152,13 +167,11 @@ fn read_vertices(
     Ok(())
 }
 
-fn read_faces(
-    element: &Element,
-    values: &mut Values<'_>,
-    mesh: &mut Mesh,
-    file: &Path,
-) -> Result<(), String> {
+fn read_faces(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result<(), String> {
     let count = values.check_room(element)?;
+    if count == 0 {
+        return Ok(());
+    }
     let is_indices = |p: &Property| {
         p.list.is_some() && matches!(p.name.as_str(), "vertex_indices" | "vertex_index")
     };
@@ -167,7 +180,13 @@ fn read_faces(
         .iter()
         .position(is_indices)
         .ok_or("the faces have no list \"vertex_indices\"")?;
-    let (targets, mut attributes) = attribute_targets(element, "face_");
+    let corner_uvs_at = element
+        .properties
+        .iter()
+        .position(|p| p.list.is_some() && p.name == "texcoord");
+    let (targets, mut attributes) = attribute_targets(element, "face_", &mut mesh.warnings);
+    let mut corner_uvs = CornerUvs::default();
+    let mut uvs: Vec<f32> = Vec::new();
     let mut triangulator = Triangulator::new();
     let mut corners: Vec<u32> = Vec::new();
     let mut corner_positions = Vec::new();
@@ -201,6 +220,12 @@ fn read_faces(
                     }
                     corners.push(index as u32);
                 }
+            } else if Some(k) == corner_uvs_at {
+                uvs.clear();
+                let length = values.next_length(property.list.unwrap_or(property.scalar))?;
+                for _ in 0..length {
+                    uvs.push(values.next(property.scalar)? as f32);
+                }
             } else if let Target::Attribute(a, factor) = *target {
                 row[a].push((values.next(property.scalar)? * factor) as f32);
             } else {
@@ -213,6 +238,9 @@ fn read_faces(
         }
         corner_positions.clear();
         corner_positions.extend(corners.iter().map(|&i| mesh.positions[i as usize]));
+        if corner_uvs_at.is_some() {
+            corner_uvs.give(&mut corners, &uvs)?;
+        }
         triangulator.polygon(&corner_positions, |triangle| {
             mesh.triangles.push(triangle.map(|k| corners[k]));
             for (attribute, row) in attributes.iter_mut().zip(&row) {
@@ -221,17 +249,97 @@ fn read_faces(
         });
     }
     if ignored > 0 {
-        tracing::warn!(
-            "{}: {ignored} faces have fewer than three corners and are ignored",
-            file.display()
-        );
+        mesh.warnings.push(format!(
+            "{ignored} faces with fewer than three corners are left out"
+        ));
     }
     mesh.face_attributes = attributes;
+    corner_uvs.apply(mesh);
+    Ok(())
+}
+
+/// Vertices with coordinates of their own where the corners of faces have some.
+#[derive(Default)]
+struct CornerUvs {
+    /// Vertex of the file and coordinates of each vertex of the mesh.
+    vertices: Vec<(u32, [f32; 2])>,
+    vertex_of: HashMap<(u32, [u32; 2]), u32>,
+}
+
+impl CornerUvs {
+    /// Replaces the corners of a face by vertices that have its coordinates.
+    fn give(&mut self, corners: &mut [u32], uvs: &[f32]) -> Result<(), String> {
+        for (k, corner) in corners.iter_mut().enumerate() {
+            // A face without coordinates has an empty list.
+            let uv = [2 * k, 2 * k + 1].map(|i| uvs.get(i).copied().unwrap_or(0.0));
+            let next = u32::try_from(self.vertices.len())
+                .map_err(|_| "more vertices than 32 bits can count")?;
+            let vertices = &mut self.vertices;
+            let key = (*corner, uv.map(f32::to_bits));
+            *corner = *self.vertex_of.entry(key).or_insert_with(|| {
+                vertices.push((key.0, uv));
+                next
+            });
+        }
+        Ok(())
+    }
+
+    /// Makes the mesh one of these vertices, if there are any.
+    fn apply(self, mesh: &mut Mesh) {
+        if self.vertices.is_empty() {
+            return;
+        }
+        let places: Vec<usize> = self.vertices.iter().map(|(i, _)| *i as usize).collect();
+        mesh.positions = pick(&mesh.positions, &places);
+        mesh.normals = pick(&mesh.normals, &places);
+        mesh.vertex_attributes = pick_attributes(&mesh.vertex_attributes, &places);
+        mesh.uvs = self.vertices.iter().map(|(_, uv)| *uv).collect();
+    }
+}
+
+/// Strips of triangles: each index makes a triangle with the two before it, of which every other one is turned round.
+fn read_strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result<(), String> {
+    let rows = values.check_room(element)?;
+    for _ in 0..rows {
+        for property in &element.properties {
+            let Some(length) = property.list else {
+                values.skip_property(property)?;
+                continue;
+            };
+            let mut strip: Vec<u32> = Vec::new();
+            for _ in 0..values.next_length(length)? {
+                let index = values.next(property.scalar)?;
+                if index < 0.0 {
+                    strip.clear();
+                    continue;
+                }
+                if index.fract() != 0.0 || index >= mesh.positions.len() as f64 {
+                    return Err(format!(
+                        "a strip refers to vertex {index}, but there are {}",
+                        mesh.positions.len()
+                    ));
+                }
+                strip.push(index as u32);
+                if let [.., a, b, c] = strip[..] {
+                    let is_odd = strip.len() % 2 == 0;
+                    // Two equal indices turn to another part of the surface; they are no face.
+                    if a != b && b != c && c != a {
+                        mesh.triangles
+                            .push(if is_odd { [b, a, c] } else { [a, b, c] });
+                    }
+                }
+            }
+        }
+    }
     Ok(())
 }
 
 /// Groups the properties of an element into attributes; all that are not part of one are skipped.
-fn attribute_targets(element: &Element, prefix: &str) -> (Vec<Target>, Vec<Attribute>) {
+fn attribute_targets(
+    element: &Element,
+    prefix: &str,
+    warnings: &mut Vec<String>,
+) -> (Vec<Target>, Vec<Attribute>) {
     let mut targets = vec![Target::Skip; element.properties.len()];
     let mut attributes: Vec<Attribute> = Vec::new();
     let mut start = 0;
@@ -267,7 +375,9 @@ fn attribute_targets(element: &Element, prefix: &str) -> (Vec<Target>, Vec<Attri
                 values: Vec::new(),
             });
         } else {
-            tracing::warn!("mesh attribute \"{name}\" has {channels} channels and is ignored");
+            warnings.push(format!(
+                "the attribute \"{name}\" has {channels} channels, not 1 or 3, and is left out"
+            ));
         }
         start = end;
     }

@@ -101,10 +101,14 @@ impl Header {
         let mut elements: Vec<Element> = Vec::new();
         let mut end = 0;
         let mut number = 0;
+        // Programs of old Macintoshes end lines with a carriage return alone.
+        let first = bytes.iter().find(|&&b| b == b'\n' || b == b'\r');
+        let has_returns_only = first == Some(&b'\r') && bytes.get(4) != Some(&b'\n');
+        let line_end = if has_returns_only { b'\r' } else { b'\n' };
         loop {
             let rest = &bytes[end..];
             let fail = |what: &str| Err(MeshError::malformed(file, Place::Line(number + 1), what));
-            let Some(length) = rest.iter().position(|&b| b == b'\n') else {
+            let Some(length) = rest.iter().position(|&b| b == line_end) else {
                 return fail(if number == 0 {
                     "not a PLY file"
                 } else {

@@ -125,7 +125,8 @@ impl<'a> Values<'a> {
             Scalar::F32 => text.parse::<f32>().map(f64::from),
             _ => text.parse::<f64>(),
         };
-        let number = number.map_err(|_| {
+        let number = number.ok().or_else(|| super::text::number(word));
+        let number = number.ok_or_else(|| {
             let shown = word[..word.len().min(40)].escape_ascii();
             format!("\"{shown}\" is not a number")
         })?;

@@ -56,8 +56,13 @@ pub fn load(path: impl AsRef<Path>, shape_index: u32) -> Result<Mesh, MeshError>
 /// [`Mesh::validate`].
 pub fn read(bytes: &[u8], shape_index: u32, file: &Path) -> Result<Mesh, MeshError> {
     let fail = |place: Place, what: &str| -> MeshError { MeshError::malformed(file, place, what) };
-    let (start, end) = locate(bytes, shape_index)
-        .map_err(|(offset, what)| fail(Place::Offset(offset as u64), &what))?;
+    let located = match locate(bytes, shape_index) {
+        // The first mesh is at the start; programs that write no other leave the table out.
+        Err(_) if shape_index == 0 && version_at(bytes, 0).is_some() => Ok((0, bytes.len())),
+        located => located,
+    };
+    let (start, end) =
+        located.map_err(|(offset, what)| fail(Place::Offset(offset as u64), &what))?;
     let version = version_at(bytes, start).ok_or_else(|| {
         fail(
             Place::Offset(start as u64),

@@ -98,13 +98,17 @@ pub fn conductor_names() -> impl Iterator<Item = &'static str> {
     conductors().iter().map(|(name, _)| *name)
 }
 
-/// The index that an object gives by `material`, or by `eta` and `k`; a perfect mirror when it gives none of these.
+/// The index that an object gives by `material`, or by `eta` and `k`; when it gives none of these, a perfect mirror, and
+/// copper before version 2.
 ///
 /// # Errors
 /// When the name is not known, or only one of `eta` and `k` is given.
 pub fn get_conductor(object: &Object) -> Result<Conductor, SceneError> {
     let name = object.opt_string("material")?;
     match (name, object.has("eta"), object.has("k")) {
+        (None, false, false) if object.is_legacy => {
+            Ok(conductor("Cu").unwrap_or(Conductor::PERFECT_MIRROR))
+        }
         (None, false, false) => Ok(Conductor::PERFECT_MIRROR),
         (Some(name), false, false) => conductor(name).ok_or_else(|| {
             object.property_error("material", unknown("conductor", name, conductor_names()))

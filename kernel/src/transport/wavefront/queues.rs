@@ -178,7 +178,8 @@ multiversioned! {
             } else {
                 FALLBACK as u32
             };
-            let ends = is_in_world & !may_scatter & !emits;
+            let is_mask = flags & material_flag::HAS_NULL != 0;
+            let ends = is_in_world & !may_scatter & !emits & !is_mask;
             let queue = if ends { NO_QUEUE } else { queue };
             let queue = if hits.t[i] < f32::MAX { queue } else { ESCAPED as u32 };
             let at_sphere = is_sphere & (queue >= VARIANTS);

@@ -105,8 +105,8 @@ struct Builder {
     tables: SceneTables,
     /// Materials by object index.
     materials: HashMap<usize, u32>,
-    /// The material of shapes that name none: plain, and of emitters.
-    default_materials: [Option<u32>; 2],
+    /// The material of shapes that name none: plain, of emitters, and of boundaries of media.
+    default_materials: [Option<u32>; 3],
     /// Textures by object index.
     textures: HashMap<usize, u32>,
     /// Bitmaps by file and whether they are raw: first word, width, height, format.
@@ -150,7 +150,7 @@ impl Builder {
                 groups: vec![GroupRange::default()],
             },
             materials: HashMap::new(),
-            default_materials: [None; 2],
+            default_materials: [None; 3],
             textures: HashMap::new(),
             bitmaps: HashMap::new(),
             groups: HashMap::new(),

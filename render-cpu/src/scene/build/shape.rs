@@ -2,13 +2,14 @@
 
 mod analytic;
 mod load;
+mod surfaces;
 
 use super::Builder;
 use super::texture::MeshAttributes;
 use crate::accel::GroupRange;
 use crate::mesh::{MIN_SHARE, Mesh};
 use crate::scene::error::SceneError;
-use crate::scene::transform;
+use crate::scene::transform::{self, TransformError};
 use crate::scene::xml::{Object, ObjectKind};
 use glam::{DMat3, DMat4, DVec3};
 use halflight_kernel::scene::{
@@ -38,6 +39,10 @@ impl Builder {
         for (object, group_object) in placed {
             let group = self.group(&group_object)?;
             let to_world = object.get_transform("to_world")?;
+            if transform::inverse(&to_world) == Err(TransformError::Singular) {
+                object.property_warn("to_world", "flattens the instance; it is left out")?;
+                continue;
+            }
             self.tables
                 .instances
                 .push(instance(to_world, group, &object)?);
@@ -109,7 +114,13 @@ impl Builder {
             "obj" | "ply" | "serialized" => {
                 let to_world = object.get_transform("to_world")?;
                 let mesh = load::mesh(object)?;
-                self.add_mesh(object, mesh, to_world, in_world)?;
+                if mesh.triangles.is_empty() {
+                    object.ignore();
+                    return Ok(());
+                }
+                for (part, bsdf) in surfaces::parts(object, mesh)? {
+                    self.add_mesh(object, part, bsdf, to_world, in_world)?;
+                }
             }
             "rectangle" | "cube" => {
                 let to_world = object.get_transform("to_world")?;
@@ -118,10 +129,14 @@ impl Builder {
                 } else {
                     analytic::rectangle(to_world)
                 };
-                self.add_mesh(object, mesh, to_world, in_world)?;
+                let bsdf = surfaces::only(object)?;
+                self.add_mesh(object, mesh, bsdf, to_world, in_world)?;
             }
             "sphere" | "disk" | "cylinder" => {
-                let (kind, to_world) = analytic::quadric(object)?;
+                let Some((kind, to_world)) = analytic::quadric(object)? else {
+                    object.ignore();
+                    return Ok(());
+                };
                 self.add_quadric(object, kind, to_world, in_world)?;
             }
             other => object.warn(format!(
@@ -136,6 +151,7 @@ impl Builder {
         &mut self,
         object: &Arc<Object>,
         mut mesh: Mesh,
+        bsdf: Option<Arc<Object>>,
         to_world: DMat4,
         in_world: bool,
     ) -> Result<(), SceneError> {
@@ -148,6 +164,10 @@ impl Builder {
         u32::try_from(tables.triangles.len() + mesh.triangles.len()).map_err(|_| overflow())?;
 
         transform_mesh(object, &mut mesh, to_world)?;
+        if mesh.triangles.is_empty() {
+            object.ignore();
+            return Ok(());
+        }
         append(&mut tables.positions, &mut mesh.positions);
         let mut normal_offset = NONE;
         if !mesh.normals.is_empty() {
@@ -199,6 +219,7 @@ impl Builder {
                 primitive_count: mesh.triangles.len() as u32,
             },
             Some(&attributes),
+            bsdf,
             in_world,
         )
     }
@@ -238,6 +259,7 @@ impl Builder {
                 primitive_count: 1,
             },
             None,
+            surfaces::only(object)?,
             in_world,
         )
     }
@@ -256,11 +278,14 @@ impl Builder {
         object: &Arc<Object>,
         mut shape: Shape,
         attributes: Option<&MeshAttributes>,
+        bsdf: Option<Arc<Object>>,
         in_world: bool,
     ) -> Result<(), SceneError> {
-        let bsdf = object.single_child_of(ObjectKind::Bsdf)?.cloned();
         let emission = object.single_child_of(ObjectKind::Emitter)?.cloned();
-        shape.material = self.material(bsdf.as_ref(), emission.is_some(), attributes)?;
+        shape.material = match surfaces::is_index_matched(object, bsdf.as_ref())? {
+            true => self.null_material(),
+            false => self.material(bsdf.as_ref(), emission.is_some(), attributes)?,
+        };
         let index = self.tables.shapes.len() as u32;
         if let Some(emission) = emission {
             if emission.plugin != "area" {
@@ -297,9 +322,12 @@ fn append<T>(all: &mut Vec<T>, more: &mut Vec<T>) {
 
 /// Moves a mesh into the world (or its group's space) and gives it the normals that it shall have there.
 fn transform_mesh(object: &Object, mesh: &mut Mesh, to_world: DMat4) -> Result<(), SceneError> {
-    let normal_to_world = transform::inverse(&to_world)
-        .map(|inverse| DMat3::from_mat4(inverse).transpose())
-        .map_err(|e| object.property_error("to_world", e.to_string()))?;
+    let normal_to_world = match transform::inverse(&to_world) {
+        Ok(inverse) => Some(DMat3::from_mat4(inverse).transpose()),
+        // What it flattens still has faces, or some of them.
+        Err(TransformError::Singular) => None,
+        Err(e) => return Err(object.property_error("to_world", e.to_string())),
+    };
     let wide = |v: &[f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
     let positions = mesh.positions.par_iter_mut().with_min_len(MIN_SHARE);
     let all_finite = positions
@@ -312,12 +340,25 @@ fn transform_mesh(object: &Object, mesh: &mut Mesh, to_world: DMat4) -> Result<(
     if !all_finite {
         return Err(object.error("to_world moves a vertex beyond the range of numbers"));
     }
+    if normal_to_world.is_none() {
+        mesh.normals.clear();
+        mesh.drop_degenerate_triangles();
+        for warning in mesh.warnings.drain(..) {
+            object.property_warn("to_world", format!("flattens the mesh: {warning}"))?;
+        }
+        if mesh.triangles.is_empty() {
+            return object.warn("has no face with an area once it is placed; it is left out");
+        }
+    }
+    if let Some(angle) = mesh.max_smooth_angle {
+        mesh.split_at_creases(angle);
+    }
     if mesh.face_normals {
         mesh.normals.clear();
     } else if mesh.normals.is_empty() {
         // Angles are those in the world, so this comes after the transform.
         mesh.compute_vertex_normals();
-    } else {
+    } else if let Some(normal_to_world) = normal_to_world {
         let normals = mesh.normals.par_iter_mut().with_min_len(MIN_SHARE);
         normals.for_each(|n| {
             *n = (normal_to_world * wide(n))

@@ -44,6 +44,8 @@ pub struct RawObject {
     pub location: Location,
     /// For file names in its properties.
     pub search_paths: Arc<[PathBuf]>,
+    /// Whether its file is of a version before 2.
+    pub is_legacy: bool,
     /// In the order of the file.
     pub properties: Vec<RawProperty>,
 }
@@ -85,11 +87,12 @@ impl Document {
 
     /// Offsets and scales of 0.6 become the transform that replaced them, unless there is one.
     pub fn upgrade_uv(&mut self, index: usize) {
+        let is_legacy = self.objects[index].is_legacy;
         let properties = &mut self.objects[index].properties;
         if properties.iter().any(|property| property.name == "to_uv") {
             return;
         }
-        let mut values = [0.0, 0.0, 1.0, 1.0];
+        let mut values = [None; 5];
         let mut first: Option<RawProperty> = None;
         let mut kept = Vec::with_capacity(properties.len());
         for property in properties.drain(..) {
@@ -97,8 +100,8 @@ impl Document {
                 .iter()
                 .position(|name| *name == property.name);
             match (slot, &property.value) {
-                (Some(slot), RawValue::Value(Value::Float(x))) => values[slot] = *x,
-                (Some(slot), RawValue::Value(Value::Int(x))) => values[slot] = *x as f64,
+                (Some(slot), RawValue::Value(Value::Float(x))) => values[slot] = Some(*x),
+                (Some(slot), RawValue::Value(Value::Int(x))) => values[slot] = Some(*x as f64),
                 _ => {
                     kept.push(property);
                     continue;
@@ -109,7 +112,7 @@ impl Document {
         if let Some(property) = first {
             kept.push(RawProperty {
                 name: "to_uv".into(),
-                value: RawValue::Value(Value::Transform(upgrade::to_uv(values))),
+                value: RawValue::Value(Value::Transform(upgrade::to_uv(values, is_legacy))),
                 ..property
             });
         }

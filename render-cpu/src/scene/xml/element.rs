@@ -17,6 +17,8 @@ pub struct Element<'a> {
     pub tag: &'a str,
     /// Where file names are sought.
     pub search_paths: Arc<[PathBuf]>,
+    /// Whether its file is of a version before 2.
+    pub is_legacy: bool,
     location: Location,
     attributes: Vec<(&'a str, Cow<'a, str>)>,
     diagnostics: Arc<Diagnostics>,
@@ -28,12 +30,14 @@ impl<'a> Element<'a> {
         node: Node<'a, 'a>,
         source: &Source,
         search_paths: &Arc<[PathBuf]>,
+        is_legacy: bool,
         parameters: &mut Parameters,
         diagnostics: &Arc<Diagnostics>,
     ) -> Result<Element<'a>, SceneError> {
         let mut element = Element {
             tag: node.tag_name().name(),
             search_paths: search_paths.clone(),
+            is_legacy,
             location: source.location(node.range().start),
             attributes: Vec::new(),
             diagnostics: diagnostics.clone(),

@@ -118,7 +118,14 @@ fn spectrum(element: &Element<'_>) -> Result<Value, SceneError> {
                 })?;
             Value::Spectrum(Spectrum::File(path))
         }
-        (Some(_), None) => element.parse("value", spectrum_value)?,
+        (Some(_), None) => match element.parse("value", spectrum_value)? {
+            // Rendering in RGB, 0.6 takes one number for all channels, of lights as well.
+            Value::Spectrum(Spectrum::Uniform(x)) if element.is_legacy => Value::Rgb(Color {
+                rgb: [x as f32; 3],
+                was_encoded: false,
+            }),
+            value => value,
+        },
     };
     Ok(value)
 }

@@ -44,8 +44,10 @@ impl Loader<'_> {
         let mut context = FileContext {
             source,
             search_paths: source::prepended(search_paths, folder),
+            is_legacy: false,
         };
         let root = xml.root_element();
+        context.is_legacy = root.attribute("version").is_some_and(is_before_2);
         let element = self.element(root, &context)?;
         let Some(kind) = ObjectKind::from_element(element.tag) else {
             return Err(element.error("the outermost element must be <scene>"));
@@ -140,6 +142,12 @@ impl Loader<'_> {
         let name = element.attribute("name").unwrap_or("");
         self.file(&source, &context.search_paths, Some((parent, name)))
     }
+}
+
+/// Whether a version is of the time before Mitsuba 2, whose files are of version 2.
+fn is_before_2(version: &str) -> bool {
+    let major = version.trim().split('.').next().unwrap_or("");
+    major.parse::<u32>().is_ok_and(|major| major < 2)
 }
 
 /// What makes two paths the same file.

@@ -283,10 +283,10 @@ impl Object {
         }
         Ok(ColorSource::Constant(self.get_rgb(name, usage, default)?))
     }
-    /// A number or a texture, or the default.
+    /// A number or a texture, or the default. Colours and spectra count by their luminance, as textures do.
     ///
     /// # Errors
-    /// When it is neither.
+    /// When it is none of these, or cannot be converted.
     pub fn get_float_or_texture(
         &self,
         name: &str,
@@ -294,6 +294,16 @@ impl Object {
     ) -> Result<FloatSource, SceneError> {
         if let Some(texture) = self.texture(name) {
             return Ok(FloatSource::Texture(texture.clone()));
+        }
+        let is_colour = self.get(name).is_some_and(|property| {
+            matches!(
+                property.value,
+                Value::Rgb(_) | Value::Spectrum(_) | Value::Blackbody { .. } | Value::Object(_)
+            )
+        });
+        if is_colour && let Some(rgb) = self.opt_rgb(name, ColorUse::Unbounded)? {
+            let luminance = halflight_kernel::math::luminance(rgb.into());
+            return Ok(FloatSource::Constant(luminance.into()));
         }
         Ok(FloatSource::Constant(self.get_float(name, default)?))
     }

@@ -35,7 +35,7 @@ pub fn load(
     let mut budget = limits::MAX_BYTES;
     let source = match origin {
         Origin::File(path) => Source::read(path, &mut budget)?,
-        Origin::Text(text, name) => Source::new(name, text.to_owned()),
+        Origin::Text(text, name) => Source::new(name, text.trim_start_matches('\u{feff}')),
     };
     let mut loader = Loader {
         document: Document::default(),
@@ -54,6 +54,8 @@ pub fn load(
 pub(super) struct FileContext<'a> {
     pub(super) source: &'a Source,
     pub(super) search_paths: Arc<[PathBuf]>,
+    /// Whether the file is of a version before 2.
+    pub(super) is_legacy: bool,
 }
 
 /// Reads files into a document.
@@ -81,6 +83,7 @@ impl Loader<'_> {
             node,
             context.source,
             paths,
+            context.is_legacy,
             self.parameters,
             self.diagnostics,
         )?;
@@ -231,6 +234,7 @@ impl Loader<'_> {
             id: id.map(str::to_owned),
             location: element.location().clone(),
             search_paths: element.search_paths.clone(),
+            is_legacy: element.is_legacy,
             properties: Vec::new(),
         });
         self.children(node, index, context)?;

@@ -141,11 +141,15 @@ pub struct Properties {
 }
 
 impl Properties {
-    /// Adds a property, unless one of that name is there: then that one is returned.
-    pub(super) fn insert(&mut self, property: Property) -> Result<(), &Property> {
+    /// Adds a property. Where one of that name is there, its place is returned, and it is replaced if `replaces`.
+    pub(super) fn insert(&mut self, property: Property, replaces: bool) -> Result<(), Location> {
         if !property.name.is_empty() {
             if let Some(&i) = self.by_name.get(&property.name) {
-                return Err(&self.entries[i]);
+                let first = self.entries[i].location.clone();
+                if replaces {
+                    self.entries[i] = property;
+                }
+                return Err(first);
             }
             self.by_name
                 .insert(property.name.clone(), self.entries.len());
@@ -208,6 +212,8 @@ pub struct Object {
     pub properties: Properties,
     /// Where its element starts.
     pub location: Location,
+    /// Whether its file is of a version before 2, in which some defaults are others.
+    pub is_legacy: bool,
     pub(super) search_paths: Arc<[PathBuf]>,
     pub(super) diagnostics: Arc<Diagnostics>,
     pub(super) kept_files: Arc<KeptFiles>,
@@ -238,9 +244,27 @@ impl Object {
             None => self.error(message),
         }
     }
+    /// Adds a warning at one of its properties, or at the object when there is none of that name.
+    ///
+    /// # Errors
+    /// The warning itself, when the scene is read strictly.
+    pub fn property_warn(&self, name: &str, message: impl Into<String>) -> Result<(), SceneError> {
+        match self.properties.get(name) {
+            Some(property) => {
+                self.diagnostics
+                    .warn(&property.location, property.element(), message)
+            }
+            None => self.warn(message),
+        }
+    }
     /// Says that the object is being built, so that its unused properties deserve a warning. Getters say so too.
     pub fn touch(&self) {
         self.touched.store(true, Ordering::Relaxed);
+    }
+    /// Says that the object is not built, and that its user was told so: its properties deserve no warning.
+    pub fn ignore(&self) {
+        self.touch();
+        self.properties.iter().for_each(Property::mark);
     }
     /// Whether anything of it was looked at.
     pub fn touched(&self) -> bool {

@@ -89,8 +89,16 @@ impl Resolver<'_> {
             };
             let property = Property::new(property.name, value, property.location, property.tag);
             let (location, quoted) = (property.location.clone(), property.element());
-            if let Err(first) = properties.insert(property) {
-                let message = format!("{element} has this property already, at {}", first.location);
+            if let Err(first) = properties.insert(property, raw.is_legacy) {
+                if raw.is_legacy {
+                    // As Mitsuba 0.6 has it.
+                    let message = format!(
+                        "{element} has this property already, at {first}; the last one counts"
+                    );
+                    self.diagnostics.warn(&location, quoted, message)?;
+                    continue;
+                }
+                let message = format!("{element} has this property already, at {first}");
                 return Err(SceneError::element(&location, quoted, message));
             }
         }
@@ -101,6 +109,7 @@ impl Resolver<'_> {
             index,
             properties,
             location: raw.location,
+            is_legacy: raw.is_legacy,
             search_paths: raw.search_paths,
             diagnostics: self.diagnostics.clone(),
             kept_files: self.kept_files.clone(),

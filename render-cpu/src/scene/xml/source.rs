@@ -1,10 +1,16 @@
 //! Scene files as text with line numbers, and how file names in them are resolved.
+//!
+//! A text is UTF-8 unless a byte order mark or an XML declaration at its start names another encoding.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use encoding_rs::{Encoding, UTF_8};
+
+use super::lenient::repair;
+use crate::bytes::mistaken;
 use crate::scene::error::{Location, SceneError};
 
 /// The text of a file and where its lines start.
@@ -17,8 +23,13 @@ pub struct Source {
 }
 
 impl Source {
-    /// A text under a name.
-    pub fn new(path: &Path, text: String) -> Source {
+    /// A text under a name, brought to well-formed XML where that is possible.
+    pub fn new(path: &Path, text: &str) -> Source {
+        Source::of_lines(path, repair(text).into_owned())
+    }
+
+    /// A text under a name as it is.
+    fn of_lines(path: &Path, text: String) -> Source {
         let line_starts = std::iter::once(0)
             .chain(text.match_indices('\n').map(|(at, _)| at + 1))
             .collect();
@@ -32,8 +43,8 @@ impl Source {
     /// Reads a scene file of at most `budget` bytes, which is reduced by its size.
     pub fn read(path: &Path, budget: &mut u64) -> Result<Source, SceneError> {
         let text = read_text(path, *budget)?;
-        *budget -= text.len() as u64;
-        Ok(Source::new(path, text))
+        *budget = budget.saturating_sub(text.len() as u64);
+        Ok(Source::new(path, &text))
     }
 
     /// The place of a byte.
@@ -101,12 +112,64 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
             format!("is larger than the limit of {limit} bytes"),
         ));
     }
+    if let Some(what) = mistaken(path, &bytes) {
+        return Err(SceneError::file(path, what));
+    }
+    decode(path, bytes)
+}
+
+/// The text of a file in the encoding that it says it has.
+fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
+    let (encoding, mark) = match Encoding::for_bom(&bytes) {
+        Some(found) => found,
+        None => (declared_encoding(path, &bytes)?, 0),
+    };
+    if encoding != UTF_8 {
+        let (text, had_errors) = encoding.decode_without_bom_handling(&bytes[mark..]);
+        if had_errors {
+            let message = format!("is not text in the encoding {}", encoding.name());
+            return Err(SceneError::file(path, message));
+        }
+        return Ok(text.into_owned());
+    }
+    let mut bytes = bytes;
+    bytes.drain(..mark);
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
         SceneError::File {
-            location: Source::new(path, text).location(valid),
-            message: "is not UTF-8 text".into(),
+            location: Source::of_lines(path, text).location(valid),
+            message: "is not UTF-8 text, and names no other encoding".into(),
         }
+    })
+}
+
+/// The encoding of an XML declaration, or UTF-8.
+fn declared_encoding(path: &Path, bytes: &[u8]) -> Result<&'static Encoding, SceneError> {
+    /// Longer than any declaration.
+    const MAX_DECLARATION: usize = 256;
+    let start = bytes.trim_ascii_start();
+    let start = String::from_utf8_lossy(&start[..start.len().min(MAX_DECLARATION)]);
+    let label = start
+        .strip_prefix("<?xml")
+        .and_then(|rest| rest.split_once("?>"))
+        .and_then(|(declaration, _)| declaration.split_once("encoding"))
+        .and_then(|(_, value)| {
+            let value = value.trim_start().strip_prefix('=')?.trim_start();
+            let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
+            value[1..].split(quote).next()
+        });
+    let Some(label) = label else {
+        return Ok(UTF_8);
+    };
+    // A declaration that can be read as bytes cannot be in UTF-16: such files were converted, and kept their label.
+    if label.to_ascii_lowercase().starts_with("utf-16") {
+        return Ok(UTF_8);
+    }
+    Encoding::for_label(label.as_bytes()).ok_or_else(|| {
+        SceneError::file(
+            path,
+            format!("declares the encoding \"{label}\", which is not known"),
+        )
     })
 }

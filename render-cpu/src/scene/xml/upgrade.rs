@@ -37,12 +37,20 @@ pub fn property_name(kind: ObjectKind, plugin: &str, name: String) -> String {
     }
 }
 
-/// The properties of 0.6 that [`to_uv`] replaces.
-pub const UV_NAMES: [&str; 4] = ["uoffset", "voffset", "uscale", "vscale"];
+/// The properties of 0.6 that [`to_uv`] replaces; the last gives both scales where they are not given themselves.
+pub const UV_NAMES: [&str; 5] = ["uoffset", "voffset", "uscale", "vscale", "uvscale"];
 
-/// The transform for offsets and scales, in the order of [`UV_NAMES`]: uv' = scale (uv + offset), as Mitsuba 3 reads
-/// them.
-pub fn to_uv([u_offset, v_offset, u_scale, v_scale]: [f64; 4]) -> DMat4 {
-    DMat4::from_scale(DVec3::new(u_scale, v_scale, 1.0))
-        * DMat4::from_translation(DVec3::new(u_offset, v_offset, 0.0))
+/// The transform for offsets and scales, in the order of [`UV_NAMES`]: uv' = scale uv + offset as 0.6 has it, and
+/// uv' = scale (uv + offset) in files of later versions, as Mitsuba 3 reads them.
+pub fn to_uv(values: [Option<f64>; 5], is_legacy: bool) -> DMat4 {
+    let [u_offset, v_offset, u_scale, v_scale, both] = values;
+    let scale = |axis: Option<f64>| axis.or(both).unwrap_or(1.0);
+    let scaling = DMat4::from_scale(DVec3::new(scale(u_scale), scale(v_scale), 1.0));
+    let offset = DVec3::new(u_offset.unwrap_or(0.0), v_offset.unwrap_or(0.0), 0.0);
+    let translation = DMat4::from_translation(offset);
+    if is_legacy {
+        translation * scaling
+    } else {
+        scaling * translation
+    }
 }

@@ -110,6 +110,21 @@ impl Builder {
         Ok(index)
     }
 
+    /// A surface that light passes as if nothing were there.
+    pub(super) fn null_material(&mut self) -> u32 {
+        if let Some(index) = self.default_materials[2] {
+            return index;
+        }
+        let mut record = empty_lobe(lobe_kind::NULL);
+        record.flags = lobe_flag::FRONT | lobe_flag::BACK;
+        let index = self.push_material(vec![PendingLobe {
+            record,
+            factors: Vec::new(),
+        }]);
+        self.default_materials[2] = Some(index);
+        index
+    }
+
     fn push_material(&mut self, lobes: Vec<PendingLobe>) -> u32 {
         let first_lobe = self.tables.lobes.len() as u32;
         let lobe_count = lobes.len() as u32;

@@ -27,8 +27,10 @@ impl Builder {
             return Ok(());
         }
         let conductor = ior::get_conductor(object)?;
-        // Mitsuba 0.6 gives the index relative to vacuum and the surroundings apart.
-        let outside = ior::get_dielectric(object, "ext_eta", 1.0)? as f32;
+        // Mitsuba 0.6 gives the index relative to vacuum and the surroundings apart, which are air.
+        let surroundings = if object.is_legacy { "air" } else { "vacuum" };
+        let surroundings = ior::dielectric(surroundings).unwrap_or(1.0);
+        let outside = ior::get_dielectric(object, "ext_eta", surroundings)? as f32;
         lobe.eta = RgbParameter::constant(conductor.eta.map(|eta| eta / outside));
         lobe.k = RgbParameter::constant(conductor.k.map(|k| k / outside));
         Ok(())

@@ -5,7 +5,7 @@
 
 use crate::mesh::Mesh;
 use crate::scene::error::SceneError;
-use crate::scene::transform;
+use crate::scene::transform::{self, TransformError};
 use crate::scene::xml::Object;
 use glam::{DMat4, DVec3};
 use halflight_kernel::scene::quadric_kind;
@@ -70,17 +70,17 @@ fn keep_orientation(mesh: &mut Mesh, to_world: DMat4) {
     }
 }
 
-/// Kind and map of a sphere, disk or cylinder.
-pub(super) fn quadric(object: &Object) -> Result<(u32, DMat4), SceneError> {
+/// Kind and map of a sphere, disk or cylinder; nothing, with a warning, where it has no area.
+pub(super) fn quadric(object: &Object) -> Result<Option<(u32, DMat4)>, SceneError> {
     let to_world = object.get_transform("to_world")?;
     let radius = |default| -> Result<f64, SceneError> {
         let radius = object.get_float("radius", default)?;
-        if radius <= 0.0 {
-            return Err(object.property_error("radius", "must be positive"));
+        if radius < 0.0 {
+            return Err(object.property_error("radius", "cannot be negative"));
         }
         Ok(radius)
     };
-    Ok(match object.plugin.as_str() {
+    let (kind, map) = match object.plugin.as_str() {
         "sphere" => {
             let center = DVec3::from_array(object.get_vector("center", [0.0; 3])?);
             (
@@ -94,12 +94,7 @@ pub(super) fn quadric(object: &Object) -> Result<(u32, DMat4), SceneError> {
             let p0 = DVec3::from_array(object.get_vector("p0", [0.0; 3])?);
             let p1 = DVec3::from_array(object.get_vector("p1", [0.0, 0.0, 1.0])?);
             let axis = p1 - p0;
-            let length = axis.length();
-            if length <= 0.0 {
-                return Err(object.error("p0 and p1 coincide"));
-            }
-            let z = axis / length;
-            let (x, y) = tangents(z);
+            let (x, y) = tangents(axis.normalize_or(DVec3::Z));
             let r = radius(1.0)?;
             (
                 quadric_kind::CYLINDER,
@@ -113,7 +108,12 @@ pub(super) fn quadric(object: &Object) -> Result<(u32, DMat4), SceneError> {
             )
         }
         _ => (quadric_kind::DISK, to_world),
-    })
+    };
+    if transform::inverse(&map) == Err(TransformError::Singular) {
+        object.warn("has no size, or its transform flattens it; the shape is left out")?;
+        return Ok(None);
+    }
+    Ok(Some((kind, map)))
 }
 
 /// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff et al. 2017), in f64.

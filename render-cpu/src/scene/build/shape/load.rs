@@ -12,6 +12,8 @@ pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     let files = object.kept_files();
     let mesh = match object.plugin.as_str() {
         "obj" => {
+            // The groups of a file are one shape, as `collapse` of Mitsuba 0.6 asks for; nobody sees a difference.
+            object.get("collapse");
             let flip = flip(mesh::obj::DEFAULT_FLIP_TEX_COORDS)?;
             files.get(&path, flip.into(), || mesh::obj::load(&path, flip))
         }
@@ -26,8 +28,35 @@ pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     };
     let mesh = mesh.map_err(|e| object.property_error("filename", e.to_string()))?;
     let mut mesh = Arc::unwrap_or_clone(mesh);
-    // Mitsuba 0.6: vertices of faces that meet at a larger angle were split apart.
-    object.get("max_smooth_angle");
-    mesh.face_normals |= object.get_bool("face_normals", false)?;
+    for warning in mesh.warnings.drain(..) {
+        object.property_warn("filename", format!("{}: {warning}", path.display()))?;
+    }
+    let asks_for_faces = object.get_bool("face_normals", false)?;
+    mesh.face_normals |= asks_for_faces;
+    if let Some(angle) = object.opt_float("max_smooth_angle")? {
+        if asks_for_faces {
+            return Err(object.property_error(
+                "max_smooth_angle",
+                "cannot be given together with face normals",
+            ));
+        }
+        if !(0.0..=180.0).contains(&angle) {
+            return Err(
+                object.property_error("max_smooth_angle", "is no angle of 0 to 180 degrees")
+            );
+        }
+        // The file's own wish for face normals is older than this one.
+        mesh.face_normals = false;
+        mesh.max_smooth_angle = Some(angle.to_radians() as f32);
+    }
+    if mesh.triangles.is_empty() {
+        object.property_warn(
+            "filename",
+            format!(
+                "{}: has no face with an area; the shape is left out",
+                path.display()
+            ),
+        )?;
+    }
     Ok(mesh)
 }

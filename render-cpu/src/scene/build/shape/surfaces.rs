@@ -1,0 +1,95 @@
+//! Which scattering model the surface of a shape has, or each part of it.
+
+use crate::mesh::Mesh;
+use crate::scene::error::SceneError;
+use crate::scene::xml::{Object, ObjectKind};
+use std::sync::Arc;
+
+/// The BSDF of a shape that takes but one.
+pub(super) fn only(object: &Object) -> Result<Option<Arc<Object>>, SceneError> {
+    Ok(object.single_child_of(ObjectKind::Bsdf)?.cloned())
+}
+
+/// The parts of a mesh with their BSDFs.
+///
+/// In Mitsuba 0.6 the name of a BSDF within an OBJ shape is that of a material in the file (`usemtl`); one without a name
+/// is for all others. A single BSDF is for the whole mesh unless it names a material of a file before version 2.
+pub(super) fn parts(
+    object: &Object,
+    mesh: Mesh,
+) -> Result<Vec<(Mesh, Option<Arc<Object>>)>, SceneError> {
+    let children: Vec<_> = object.children_of(ObjectKind::Bsdf).collect();
+    let material_of = |name: &str| mesh.materials.names.iter().position(|known| known == name);
+    let is_general = |name: &str| name.is_empty() || name == "bsdf";
+    let is_whole = match &children[..] {
+        [] => true,
+        [child] => !object.is_legacy || material_of(child.name()).is_none(),
+        _ => object.plugin != "obj",
+    };
+    if is_whole {
+        return Ok(vec![(mesh, only(object)?)]);
+    }
+    let mut of_rest = None;
+    let mut of_material = vec![None; mesh.materials.names.len().max(1)];
+    for child in &children {
+        let slot = if is_general(child.name()) {
+            &mut of_rest
+        } else if let Some(material) = material_of(child.name()) {
+            &mut of_material[material]
+        } else {
+            let known: Vec<&str> = mesh.materials.names.iter().map(String::as_str).collect();
+            object.property_warn(
+                child.name(),
+                format!(
+                    "no face of the file has this material (usemtl), and the BSDF is left out; there are: {}",
+                    known.iter().filter(|name| !name.is_empty()).copied().collect::<Vec<_>>().join(", ")
+                ),
+            )?;
+            continue;
+        };
+        if slot.is_some() {
+            return Err(SceneError::element(
+                &child.property.location,
+                child.property.element(),
+                format!("{} has a BSDF for this already", object.element()),
+            ));
+        }
+        *slot = Some(child.object.clone());
+    }
+    let mut parts = Vec::new();
+    for (index, bsdf) in of_material.into_iter().enumerate() {
+        let part = mesh.part(index as u32);
+        if part.triangles.is_empty() {
+            continue;
+        }
+        if bsdf.is_none() && of_rest.is_none() {
+            object.warn(format!(
+                "there is no BSDF for the faces of the material \"{}\" (usemtl); they get a diffuse reflectance of 0.5",
+                mesh.materials.names.get(index).map_or("", String::as_str)
+            ))?;
+        }
+        parts.push((part, bsdf.or_else(|| of_rest.clone())));
+    }
+    Ok(parts)
+}
+
+/// Whether the surface is only the boundary of a medium: before version 2, that of a shape with a medium and without a BSDF.
+///
+/// Media themselves are not supported: what they would scatter and absorb is left out with a warning.
+pub(super) fn is_index_matched(
+    object: &Object,
+    bsdf: Option<&Arc<Object>>,
+) -> Result<bool, SceneError> {
+    let mut has_medium = false;
+    for child in object.children_of(ObjectKind::Medium) {
+        has_medium = true;
+        // Said once for each medium, however many shapes it has.
+        if !child.object.touched() {
+            child.object.ignore();
+            child
+                .object
+                .warn("media are not supported: light neither scatters in it nor is absorbed")?;
+        }
+    }
+    Ok(has_medium && bsdf.is_none() && object.is_legacy)
+}

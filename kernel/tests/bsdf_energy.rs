@@ -7,6 +7,7 @@ use common::lobes::{case, delta_cases, incidences, mixtures, smooth_cases, white
 use common::{Random, furnace};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
+use halflight_kernel::bsdf::ward::variant;
 use halflight_kernel::bsdf::{Bsdf, BsdfSample, Lobe, event, lobe, mode};
 use halflight_kernel::math::Frame;
 use halflight_kernel::scene::{MAX_LOBES, lobe_flag, lobe_kind};
@@ -94,6 +95,12 @@ fn no_lobe_creates_light() {
         // Linear plastics are brighter than physical by definition.
         let linear =
             case.lobe.kind == lobe_kind::PLASTIC && case.lobe.flags & lobe_flag::NONLINEAR == 0;
+        // So are models that were fitted by eye: at grazing angles they reflect more than they get.
+        let limit = match case.lobe.kind {
+            lobe_kind::WARD if case.lobe.distribution == variant::DUER => 1.5,
+            lobe_kind::PRINCIPLED_DIFFUSE => 1.51,
+            _ => 1.0,
+        };
         // Energy is conserved without the scaling of radiance by 1 / eta^2.
         let lobe = Lobe {
             mode: mode::IMPORTANCE,
@@ -103,7 +110,7 @@ fn no_lobe_creates_light() {
             let (albedo, error) = furnace::albedo(&lobe, &case.data, wi, 10_000, 21);
             let excess = (albedo - error * 5.0).max_element();
             assert!(
-                linear || excess <= 1.0 + 1e-4,
+                linear || excess <= limit + 1e-4,
                 "{}, wi {wi}: {albedo} +- {error}",
                 case.name
             );
@@ -122,6 +129,10 @@ fn lossless_lobes_return_all_light() {
         case("dielectric", white(lobe_kind::DIELECTRIC)),
         case("thin dielectric", white(lobe_kind::THIN_DIELECTRIC)),
         case("null", white(lobe_kind::NULL)),
+        case(
+            "diffuse transmission",
+            white(lobe_kind::DIFFUSE_TRANSMISSION),
+        ),
     ];
     for case in &mut cases {
         case.lobe.mode = mode::IMPORTANCE;
@@ -130,6 +141,17 @@ fn lossless_lobes_return_all_light() {
             let miss = ((albedo - Vec3::ONE).abs() - error * 5.0).max_element();
             assert!(miss < 2e-5, "{}, wi {wi}: {albedo} +- {error}", case.name);
         }
+    }
+}
+
+#[test]
+fn a_power_of_the_cosine_returns_all_light_along_the_normal() {
+    for exponent in [0.0, 1.0, 50.0, 3000.0] {
+        let mut lobe = white(lobe_kind::PHONG);
+        lobe.exponent = exponent;
+        let (albedo, error) = furnace::albedo(&lobe, &[], Vec3::Z, 40_000, 4);
+        let miss = ((albedo - Vec3::ONE).abs() - error * 5.0).max_element();
+        assert!(miss < 2e-4, "exponent {exponent}: {albedo} +- {error}");
     }
 }
 
@@ -198,7 +220,8 @@ proptest! {
     /// Every function is finite and non-negative for every kind, roughness, index and pair of directions.
     #[test]
     fn lobes_are_total(
-        kind in 0_u32..=lobe_kind::ROUGH_COAT, distribution in 0_u32..4, exponent in 0.1_f32..6.0, flags in 0_u32..64,
+        kind in prop_oneof![2 => 0_u32..=lobe_kind::ROUGH_COAT, 1 => lobe_kind::PHONG..lobe_kind::COUNT],
+        distribution in 0_u32..4, exponent in 0.1_f32..6.0, flags in 0_u32..512,
         coats in 0_u32..3, log_coat_eta in prop::array::uniform2(-1.0_f32..1.0), depth in 0.0_f32..200.0,
         log_alpha in prop::array::uniform2(-4.0_f32..0.3), log_eta in -1.0_f32..1.0, k in 0.0_f32..10.0,
         rho in prop::array::uniform3(0.0_f32..=1.0), internal in 0.0_f32..1.0, frame in any_direction(),

@@ -143,6 +143,41 @@ fn diffracting_conductor_samples_its_density() {
 }
 
 #[test]
+fn phong_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::PHONG);
+}
+
+#[test]
+fn ward_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::WARD);
+}
+
+#[test]
+fn diffuse_transmission_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::DIFFUSE_TRANSMISSION);
+}
+
+#[test]
+fn principled_diffuse_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::PRINCIPLED_DIFFUSE);
+}
+
+#[test]
+fn sheen_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::SHEEN);
+}
+
+#[test]
+fn schlick_reflection_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::SCHLICK_REFLECTION);
+}
+
+#[test]
+fn clearcoat_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::CLEARCOAT);
+}
+
+#[test]
 fn mixtures_sample_their_density() {
     let mixtures = mixtures();
     let family = (mixtures.len() * incidences().len()) as u32;

@@ -265,10 +265,6 @@ fn what_cannot_be_built_is_named() {
             sphere(r#"<bsdf type="roughconductor"><float name="alpha" value="-0.1"/></bsdf>"#),
             "negative",
         ),
-        (
-            r#"<shape type="cylinder"><point name="p1" x="0" y="0" z="0"/></shape>"#.to_string(),
-            "coincide",
-        ),
         (r#"<shape type="instance"/>"#.to_string(), "shape group"),
         (
             r#"<emitter type="constant"/><emitter type="constant"/>"#.to_string(),

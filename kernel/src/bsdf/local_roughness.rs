@@ -65,7 +65,13 @@ pub fn lobe_falloff(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
             let share = luminance(coat_reflection::eval(lobe, i, o)) / whole.max(f32::MIN_POSITIVE);
             normal_falloff(lobe, i + o) * share.min(1.0)
         }
-        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE | lobe_kind::PLASTIC => 0.0,
+        lobe_kind::DIFFUSE
+        | lobe_kind::ROUGH_DIFFUSE
+        | lobe_kind::PLASTIC
+        | lobe_kind::DIFFUSE_TRANSMISSION
+        | lobe_kind::PRINCIPLED_DIFFUSE
+        | lobe_kind::SHEEN => 0.0,
+        lobe_kind::SCHLICK_REFLECTION => normal_falloff(lobe, i + o),
         // Measured and tabulated models.
         _ => falloff_by_differences(|i, o| luminance(model::eval(lobe, data, i, o)), i, o),
     };

@@ -7,7 +7,7 @@ use super::lobe::{is_flipped, mirrored};
 use super::{Coat, Lobe, frame_map, microfacet, rough_transmittance};
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::{
-    CoatRecord, LobeRecord, MAX_COATS, NONE, SurfacePoint, Tables, distribution, features,
+    CoatRecord, LobeRecord, MAX_COATS, NONE, SurfacePoint, Tables, distribution, features, lobe_flag,
     lobe_kind,
     texture::{eval_at_point, eval_rgb, eval_scalar},
 };
@@ -121,6 +121,10 @@ fn set_parameters(lobe: &mut Lobe, record: &LobeRecord, p: &[Rgb; 9]) {
         return;
     }
     lobe.distribution = record.distribution;
+    if lobe.kind >= lobe_kind::PHONG {
+        set_later_parameters(lobe, p);
+        return;
+    }
     if record.distribution == distribution::EXPONENTIAL_POWER {
         lobe.exponent = p[8].x;
     }
@@ -141,7 +145,13 @@ fn set_parameters(lobe: &mut Lobe, record: &LobeRecord, p: &[Rgb; 9]) {
         lobe_kind::CONDUCTOR | lobe_kind::ROUGH_CONDUCTOR | lobe_kind::DIFFRACTING_CONDUCTOR => {
             lobe.k = p[4];
         }
-        _ => lobe.specular_transmittance = p[2],
+        _ => {
+            lobe.specular_transmittance = if lobe.flags & lobe_flag::ROOT_TRANSMITTANCE != 0 {
+                square_root(p[2])
+            } else {
+                p[2]
+            }
+        }
     }
     if lobe.kind == lobe_kind::ROUGH_CONDUCTOR
         || lobe.kind == lobe_kind::DIFFRACTING_CONDUCTOR
@@ -149,8 +159,48 @@ fn set_parameters(lobe: &mut Lobe, record: &LobeRecord, p: &[Rgb; 9]) {
         || lobe.kind == lobe_kind::ROUGH_PLASTIC
         || lobe.kind == lobe_kind::ROUGH_COAT
     {
-        lobe.alpha = microfacet::clamp_alpha(Vec2::new(p[6].x, p[7].x));
+        lobe.alpha = roughness(lobe.flags, p[6].x, p[7].x);
     }
+}
+
+/// [`set_parameters`] of the kinds from [`lobe_kind::PHONG`] on.
+#[inline]
+fn set_later_parameters(lobe: &mut Lobe, p: &[Rgb; 9]) {
+    lobe.reflectance = p[0];
+    lobe.specular_reflectance = p[1];
+    lobe.specular_transmittance = p[2];
+    lobe.eta = p[3];
+    lobe.exponent = p[8].x;
+    lobe.alpha = if lobe.kind == lobe_kind::PRINCIPLED_DIFFUSE {
+        Vec2::splat(p[6].x)
+    } else {
+        roughness(lobe.flags, p[6].x, p[7].x)
+    };
+}
+
+/// The widths of microfacets, from the two parameters of a record.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+fn roughness(flags: u32, u: f32, v: f32) -> Vec2 {
+    let mut alpha = Vec2::new(u, v);
+    if flags & lobe_flag::PRINCIPLED_ROUGHNESS != 0 {
+        // Burley 2012, section 5.4: the width is the square of the roughness, stretched by the anisotropy.
+        let aspect = float::sqrt(1.0 - 0.9 * v.max(0.0).min(1.0));
+        alpha = Vec2::new(u * u / aspect, u * u * aspect).max(Vec2::splat(LEAST_PRINCIPLED_ALPHA));
+    }
+    microfacet::clamp_alpha(alpha)
+}
+
+/// Smallest width of the principled model.
+const LEAST_PRINCIPLED_ALPHA: f32 = 1e-3;
+
+#[inline]
+fn square_root(c: Rgb) -> Rgb {
+    Vec3::new(
+        float::safe_sqrt(c.x),
+        float::safe_sqrt(c.y),
+        float::safe_sqrt(c.z),
+    )
 }
 
 /// The lobe of a record without coats, perturbed frame and textures, whose `kind` callers know.

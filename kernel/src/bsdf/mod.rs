@@ -4,6 +4,7 @@
 //! plain values. Directions are in the local frame of the surface point: z is the shading normal, `wi` is known (towards
 //! the sensor on camera paths), `wo` is sampled.
 
+pub mod clearcoat;
 pub mod coat;
 pub mod coat_reflection;
 pub mod conductor;
@@ -11,6 +12,7 @@ pub mod dielectric;
 pub mod diffracting_conductor;
 pub mod diffraction_table;
 pub mod diffuse;
+pub mod diffuse_transmission;
 pub mod frame_map;
 pub mod fresnel;
 pub mod lobe;
@@ -24,14 +26,19 @@ pub mod microfacet;
 pub mod mixture;
 pub mod model;
 pub mod null;
+pub mod phong;
 pub mod plastic;
+pub mod principled_diffuse;
 pub mod reverse;
 pub mod rough_conductor;
 pub mod rough_dielectric;
 pub mod rough_diffuse;
 pub mod rough_plastic;
 pub mod rough_transmittance;
+pub mod schlick_reflection;
+pub mod sheen;
 pub mod thin_dielectric;
+pub mod ward;
 
 pub use coat::Coat;
 pub use local_roughness::local_beckmann_roughness;

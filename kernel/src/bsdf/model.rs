@@ -5,9 +5,10 @@
 
 use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::{
-    BsdfSample, Lobe, coat_reflection, conductor, dielectric, diffracting_conductor, diffuse,
-    event, merl, plastic, rough_conductor, rough_dielectric, rough_diffuse, rough_plastic,
-    thin_dielectric,
+    BsdfSample, Lobe, clearcoat, coat_reflection, conductor, dielectric, diffracting_conductor,
+    diffuse, diffuse_transmission, event, merl, phong, plastic, principled_diffuse,
+    rough_conductor, rough_dielectric, rough_diffuse, rough_plastic, schlick_reflection, sheen,
+    thin_dielectric, ward,
 };
 use crate::math::{Rgb, float};
 use crate::scene::{features, lobe_kind};
@@ -46,6 +47,9 @@ pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
             if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
         {
             diffracting_conductor::eval(lobe, data, wi, wo)
+        }
+        _ if lobe.kind >= lobe_kind::PHONG && lobe.may_be(features::lobe(lobe_kind::PHONG)) => {
+            eval_later(lobe, wi, wo)
         }
         // Discrete directions have no value.
         _ => Vec3::ZERO,
@@ -86,7 +90,55 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         {
             diffracting_conductor::pdf(lobe, data, wi, wo)
         }
+        _ if lobe.kind >= lobe_kind::PHONG && lobe.may_be(features::lobe(lobe_kind::PHONG)) => {
+            pdf_later(lobe, wi, wo)
+        }
         _ => 0.0,
+    }
+}
+
+/// [`eval`] of the kinds from [`lobe_kind::PHONG`] on.
+#[inline]
+fn eval_later(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
+    match lobe.kind {
+        lobe_kind::PHONG => phong::eval(lobe, wi, wo),
+        lobe_kind::WARD => ward::eval(lobe, wi, wo),
+        lobe_kind::DIFFUSE_TRANSMISSION => diffuse_transmission::eval(lobe, wi, wo),
+        lobe_kind::PRINCIPLED_DIFFUSE => principled_diffuse::eval(lobe, wi, wo),
+        lobe_kind::SHEEN => sheen::eval(lobe, wi, wo),
+        lobe_kind::SCHLICK_REFLECTION => schlick_reflection::eval(lobe, wi, wo),
+        lobe_kind::CLEARCOAT => clearcoat::eval(lobe, wi, wo),
+        _ => Vec3::ZERO,
+    }
+}
+
+/// [`pdf`] of the kinds from [`lobe_kind::PHONG`] on.
+#[inline]
+fn pdf_later(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
+    match lobe.kind {
+        lobe_kind::PHONG => phong::pdf(lobe, wi, wo),
+        lobe_kind::WARD => ward::pdf(lobe, wi, wo),
+        lobe_kind::DIFFUSE_TRANSMISSION => diffuse_transmission::pdf(lobe, wi, wo),
+        lobe_kind::PRINCIPLED_DIFFUSE => principled_diffuse::pdf(lobe, wi, wo),
+        lobe_kind::SHEEN => sheen::pdf(lobe, wi, wo),
+        lobe_kind::SCHLICK_REFLECTION => schlick_reflection::pdf(lobe, wi, wo),
+        lobe_kind::CLEARCOAT => clearcoat::pdf(lobe, wi, wo),
+        _ => 0.0,
+    }
+}
+
+/// [`sample_with_normal`] of the kinds from [`lobe_kind::PHONG`] on.
+#[inline]
+fn sample_later(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2, normal: impl FnOnce() -> Vec3) -> BsdfSample {
+    match lobe.kind {
+        lobe_kind::PHONG => phong::sample(lobe, wi, u1, u2),
+        lobe_kind::WARD => ward::sample(lobe, wi, u1, u2),
+        lobe_kind::DIFFUSE_TRANSMISSION => diffuse_transmission::sample(lobe, wi, u1, u2),
+        lobe_kind::PRINCIPLED_DIFFUSE => principled_diffuse::sample(lobe, wi, u1, u2),
+        lobe_kind::SHEEN => sheen::sample(lobe, wi, u1, u2),
+        lobe_kind::SCHLICK_REFLECTION => schlick_reflection::sample(lobe, wi, normal()),
+        lobe_kind::CLEARCOAT => clearcoat::sample(lobe, wi, u1, u2),
+        _ => BsdfSample::NONE,
     }
 }
 
@@ -96,14 +148,16 @@ const MICROFACET_KINDS: u32 = features::lobe(lobe_kind::ROUGH_CONDUCTOR)
     | features::lobe(lobe_kind::ROUGH_DIELECTRIC)
     | features::lobe(lobe_kind::ROUGH_PLASTIC)
     | features::lobe(lobe_kind::ROUGH_COAT)
-    | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR);
+    | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)
+    | features::lobe(lobe_kind::SCHLICK_REFLECTION);
 
 /// The kinds, as features, that leave value and density of a sample to [`super::Bsdf::mix`], see [`BsdfSample`].
 #[cfg(target_arch = "spirv")]
 pub const UNWEIGHTED_KINDS: u32 = features::lobe(lobe_kind::ROUGH_PLASTIC)
     | features::lobe(lobe_kind::ROUGH_COAT)
     | features::lobe(lobe_kind::MERL)
-    | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR);
+    | features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)
+    | features::lobe(lobe_kind::PHONG);
 
 /// The microfacet normal that a rough lobe draws with `u2`.
 #[cfg_attr(target_arch = "spirv", inline)]
@@ -188,6 +242,9 @@ pub fn sample_with_normal(
         {
             diffracting_conductor::sample(lobe, data, wi, u1, u2, normal)
         }
+        _ if lobe.kind >= lobe_kind::PHONG && lobe.may_be(features::lobe(lobe_kind::PHONG)) => {
+            sample_later(lobe, wi, u1, u2, normal)
+        }
         _ => BsdfSample::NONE,
     }
 }
@@ -233,6 +290,18 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
         {
             lobe.specular_reflectance * coat_share(lobe, wi)
         }
+        _ if lobe.kind >= lobe_kind::PHONG => match lobe.kind {
+            lobe_kind::PRINCIPLED_DIFFUSE => lobe.reflectance,
+            lobe_kind::SHEEN => sheen::color(lobe).min(Vec3::ONE),
+            // Black facets still reflect what grazes them.
+            lobe_kind::SCHLICK_REFLECTION => schlick_reflection::fresnel(lobe, float::abs(wi.z))
+                .max(lobe.specular_reflectance * 1e-3),
+            lobe_kind::CLEARCOAT => {
+                lobe.specular_reflectance * clearcoat::fresnel(float::abs(wi.z))
+            }
+            lobe_kind::DIFFUSE_TRANSMISSION => lobe.specular_transmittance,
+            _ => lobe.specular_reflectance,
+        },
         _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
     }
 }
@@ -252,8 +321,16 @@ fn coat_share(lobe: &Lobe, wi: Vec3) -> f32 {
 #[inline]
 pub fn events(kind: u32) -> u32 {
     match kind {
-        lobe_kind::DIFFUSE | lobe_kind::ROUGH_DIFFUSE => event::REFLECTION | event::DIFFUSE,
-        lobe_kind::MERL => event::REFLECTION | event::GLOSSY,
+        lobe_kind::DIFFUSE
+        | lobe_kind::ROUGH_DIFFUSE
+        | lobe_kind::PRINCIPLED_DIFFUSE
+        | lobe_kind::SHEEN => event::REFLECTION | event::DIFFUSE,
+        lobe_kind::DIFFUSE_TRANSMISSION => event::TRANSMISSION | event::DIFFUSE,
+        lobe_kind::MERL
+        | lobe_kind::PHONG
+        | lobe_kind::WARD
+        | lobe_kind::SCHLICK_REFLECTION
+        | lobe_kind::CLEARCOAT => event::REFLECTION | event::GLOSSY,
         lobe_kind::CONDUCTOR | lobe_kind::COAT => event::REFLECTION | event::DELTA,
         lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT | lobe_kind::DIFFRACTING_CONDUCTOR => {
             event::REFLECTION | event::GLOSSY

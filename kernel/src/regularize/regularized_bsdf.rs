@@ -273,6 +273,10 @@ pub fn bound(lobe: &Lobe, transmission: bool) -> f32 {
                 TAU_MAX
             }
         }
+        lobe_kind::DIFFUSE_TRANSMISSION if transmission => {
+            lobe.specular_transmittance.max_element() * FRAC_1_PI
+        }
+        lobe_kind::DIFFUSE_TRANSMISSION => 0.0,
         _ if transmission => 0.0,
         lobe_kind::DIFFUSE => diffuse,
         lobe_kind::ROUGH_DIFFUSE => 2.0 * diffuse,

@@ -11,11 +11,15 @@
 use super::records::*;
 use super::view::Tables;
 
-/// The scattering model of a [`super::lobe_kind`].
+/// The scattering model of a [`super::lobe_kind`]. Those from 15 on share the bit that no other kind has, since the set is
+/// one word: a scene with one of them compiles all.
 #[inline]
 pub const fn lobe(kind: u32) -> u32 {
-    1 << kind
+    if kind < 15 { 1 << kind } else { LATER_LOBES }
 }
+
+/// The scattering models whose kinds begin at 15.
+const LATER_LOBES: u32 = 1 << 11;
 
 /// Materials of more than one lobe.
 pub const MIXTURES: u32 = 1 << 15;
@@ -36,7 +40,7 @@ pub const INSTANCES: u32 = 1 << 22;
 pub const TEXTURES: u32 = 1 << 23;
 /// Bitmaps among them.
 pub const BITMAPS: u32 = 1 << 24;
-/// Attributes of meshes among them.
+/// Attributes of meshes, grids and wireframes among them.
 pub const ATTRIBUTES: u32 = 1 << 25;
 /// Normal and bump maps.
 pub const FRAME_MAPS: u32 = 1 << 26;
@@ -86,7 +90,9 @@ pub fn of(tables: &Tables<'_>) -> u32 {
     for texture in tables.textures {
         add(BITMAPS, texture.kind == texture_kind::BITMAP);
         let attribute = texture.kind == texture_kind::VERTEX_ATTRIBUTE
-            || texture.kind == texture_kind::FACE_ATTRIBUTE;
+            || texture.kind == texture_kind::FACE_ATTRIBUTE
+            || texture.kind == texture_kind::GRID
+            || texture.kind == texture_kind::WIREFRAME;
         add(ATTRIBUTES, attribute);
     }
     add(FRAME_MAPS, !tables.frame_maps.is_empty());
@@ -103,8 +109,14 @@ pub fn of(tables: &Tables<'_>) -> u32 {
                 | lobe_kind::ROUGH_PLASTIC
                 | lobe_kind::ROUGH_COAT
                 | lobe_kind::DIFFRACTING_CONDUCTOR
+                | lobe_kind::SCHLICK_REFLECTION
         );
         add(microfacets(record.distribution), is_rough);
+        // Whatever its variant.
+        add(
+            microfacets(distribution::BECKMANN),
+            record.kind == lobe_kind::WARD,
+        );
         add(COATS, record.coat_count > 0);
     }
     for emitter in tables.emitters {

@@ -152,10 +152,57 @@ fn eval_at(tables: &Tables<'_>, texture: u32, place: Place) -> Rgb {
     if tables.has(features::BITMAPS) && record.kind == texture_kind::BITMAP {
         factor * bitmap(tables, record, transform_uv(&record.to_uv, place.uv))
     } else if tables.has(features::ATTRIBUTES) {
-        factor * attribute(tables, record, place)
+        factor
+            * match record.kind {
+                texture_kind::GRID => grid(record, transform_uv(&record.to_uv, place.uv)),
+                texture_kind::WIREFRAME => wireframe(tables, record, place),
+                _ => attribute(tables, record, place),
+            }
     } else {
         Vec3::ZERO
     }
+}
+
+/// Lines along whole coordinates, of twice the width that the record holds.
+fn grid(texture: &Texture, uv: Vec2) -> Rgb {
+    let half_width = f32::from_bits(texture.data[0]);
+    let (x, y) = (uv.x - float::floor(uv.x), uv.y - float::floor(uv.y));
+    let distance = x.min(1.0 - x).min(y.min(1.0 - y));
+    vec3(if distance < half_width {
+        texture.color1.value
+    } else {
+        texture.color0.value
+    })
+}
+
+/// Lines along the edges of triangles, in the space of their mesh, which blend smoothly with what is between them.
+fn wireframe(tables: &Tables<'_>, texture: &Texture, place: Place) -> Rgb {
+    let (line, ground) = (vec3(texture.color1.value), vec3(texture.color0.value));
+    if place.primitive as usize >= tables.triangles.len() {
+        return ground;
+    }
+    let vertices = tables.triangles[place.primitive as usize].vertices;
+    let mut corners = [Vec3::ZERO; 3];
+    for i in 0..3 {
+        corners[i] = vec3(tables.positions[vertices[i] as usize]);
+    }
+    let (b1, b2) = (place.barycentric.x, place.barycentric.y);
+    let p = corners[0] * (1.0 - b1 - b2) + corners[1] * b1 + corners[2] * b2;
+    let mut nearest2 = f32::MAX;
+    for i in 0..3 {
+        let start = corners[i];
+        let edge = (corners[(i + 1) % 3] - start).normalize_or_zero();
+        let to_point = p - start;
+        nearest2 = nearest2.min((to_point - edge * edge.dot(to_point)).length_squared());
+    }
+    let (near, far) = (
+        f32::from_bits(texture.data[0]),
+        f32::from_bits(texture.data[1]),
+    );
+    let t = ((float::sqrt(nearest2) - near) / (far - near).max(f32::MIN_POSITIVE))
+        .max(0.0)
+        .min(1.0);
+    line.lerp(ground, t * t * (3.0 - 2.0 * t))
 }
 
 /// An interpolated vertex attribute or a face attribute; zero off the triangles.

@@ -6,7 +6,8 @@ use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Lobe;
 use halflight_kernel::bsdf::diffracting_conductor::fill_table;
 use halflight_kernel::bsdf::diffraction_table::{FineScale, WORDS};
-use halflight_kernel::scene::{distribution, lobe_kind};
+use halflight_kernel::bsdf::ward::variant;
+use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
 use std::sync::OnceLock;
 
 /// A table for a fine scale of the given height and correlation length in micrometres.
@@ -48,9 +49,66 @@ fn build_diffracting_cases() -> Vec<Case> {
     ]
 }
 
+/// The highlights of older models, transmission of diffusers, and the parts of the principled model.
+pub fn later_cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for exponent in [0.0, 3.0, 30.0, 1000.0] {
+        let mut lobe = white(lobe_kind::PHONG);
+        lobe.exponent = exponent;
+        cases.push(case(&format!("Phong, exponent {exponent}"), lobe));
+    }
+    for variant in [variant::WARD, variant::DUER, variant::BALANCED] {
+        for alpha in [Vec2::splat(0.1), Vec2::new(0.15, 0.5)] {
+            let mut lobe = white(lobe_kind::WARD);
+            lobe.distribution = variant;
+            lobe.alpha = alpha;
+            cases.push(case(
+                &format!("Ward, variant {variant}, alpha {alpha}"),
+                lobe,
+            ));
+        }
+    }
+    let mut lobe = white(lobe_kind::DIFFUSE_TRANSMISSION);
+    lobe.specular_transmittance = Vec3::new(1.0, 0.5, 0.1);
+    // There is no change of index.
+    lobe.eta = Vec3::ONE;
+    cases.push(case("diffuse transmission", lobe));
+    for (roughness, flatness) in [(0.0, 0.0), (0.3, 0.0), (1.0, 0.0), (0.5, 1.0)] {
+        let mut lobe = white(lobe_kind::PRINCIPLED_DIFFUSE);
+        lobe.alpha = Vec2::splat(roughness);
+        lobe.exponent = flatness;
+        let name = format!("principled diffuse, roughness {roughness}, flatness {flatness}");
+        cases.push(case(&name, lobe));
+    }
+    let mut lobe = white(lobe_kind::SHEEN);
+    lobe.reflectance = Vec3::new(0.8, 0.4, 0.1);
+    lobe.exponent = 0.5;
+    cases.push(case("sheen", lobe));
+    for alpha in [Vec2::splat(0.2), Vec2::new(0.1, 0.5)] {
+        for flag in [0, lobe_flag::TINTED] {
+            let mut lobe = white(lobe_kind::SCHLICK_REFLECTION);
+            lobe.distribution = distribution::GGX;
+            lobe.reflectance = Vec3::new(0.8, 0.4, 0.1);
+            lobe.flags |= flag;
+            lobe.alpha = alpha;
+            cases.push(case(
+                &format!("Schlick reflection, alpha {alpha}, flag {flag}"),
+                lobe,
+            ));
+        }
+    }
+    for alpha in [0.02, 0.1] {
+        let mut lobe = white(lobe_kind::CLEARCOAT);
+        lobe.alpha = Vec2::splat(alpha);
+        cases.push(case(&format!("clear coat, alpha {alpha}"), lobe));
+    }
+    cases
+}
+
 /// All of them.
 pub fn cases() -> Vec<Case> {
     let mut cases = diffracting_cases();
+    cases.extend(later_cases());
     for alpha in [0.001, 0.2, 0.4, 0.7, 1.0] {
         let mut lobe = white(lobe_kind::ROUGH_DIFFUSE);
         lobe.reflectance = Vec3::new(0.9, 0.5, 0.1);

@@ -146,6 +146,15 @@ fn lobe_name(kind: u32) -> &'static str {
         lobe_kind::COAT => "coat",
         lobe_kind::ROUGH_COAT => "rough coat",
         lobe_kind::MERL => "measured",
+        lobe_kind::ROUGH_DIFFUSE => "rough diffuse",
+        lobe_kind::DIFFRACTING_CONDUCTOR => "diffracting conductor",
+        lobe_kind::PHONG => "Phong highlight",
+        lobe_kind::WARD => "Ward highlight",
+        lobe_kind::DIFFUSE_TRANSMISSION => "diffuse transmission",
+        lobe_kind::PRINCIPLED_DIFFUSE => "principled diffuse",
+        lobe_kind::SHEEN => "sheen",
+        lobe_kind::SCHLICK_REFLECTION => "Schlick reflection",
+        lobe_kind::CLEARCOAT => "clear coat",
         _ => "unknown",
     }
 }

@@ -159,7 +159,7 @@ pub fn run_with(
     );
 
     let mut aovs = AovSet::NONE.with(Aov::Samples);
-    for &aov in &args.aov {
+    for aov in scene.layers.iter().chain(args.aov.iter().copied()) {
         aovs = aovs.with(aov);
     }
     let options = args.options(&scene);

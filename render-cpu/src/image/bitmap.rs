@@ -1,8 +1,9 @@
 //! Textures from image files.
 //!
-//! PNG (grey, colour, palette, alpha, 1 to 16 bits), JPEG, BMP, TGA, Radiance HDR and OpenEXR. The format is told from
-//! the first bytes; TGA, which has no mark, from the file's extension. Images of 8 bits stay bytes, all others become
-//! three floats per pixel. Grey images repeat their value, alpha of float images is dropped.
+//! PNG (grey, colour, palette, alpha, 1 to 16 bits), JPEG, BMP, TGA, TIFF, PNM, PFM, Radiance HDR and OpenEXR. The format
+//! is told from the first bytes; TGA, which has no mark, from the file's extension. Images of 8 bits stay bytes, all others
+//! become three floats per pixel. Grey images repeat their value, alpha of float images is dropped; [`load_channel`] reads
+//! one channel alone.
 //!
 //! `raw` says that the file's values are data (normals, roughness), not sRGB-encoded colours. It matters for integer
 //! formats only: float formats are linear anyway.
@@ -11,7 +12,7 @@
 //! What is not finite in a float image becomes finite, with a warning: NaN zero, infinities the largest half float.
 
 use super::exr_read::{ExrImage, read_exr_bytes};
-use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, believable_bytes, read_file};
+use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, believable_bytes, pfm, radiance, read_file};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -28,6 +29,21 @@ pub struct Bitmap {
     pub height: u32,
     /// The pixels.
     pub texels: Texels,
+    /// What was left out or replaced, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// A channel of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Channel {
+    /// The first.
+    Red,
+    /// The second.
+    Green,
+    /// The third.
+    Blue,
+    /// Opacity; one where the file has none.
+    Alpha,
 }
 
 /// Pixels of a [`Bitmap`].
@@ -58,9 +74,48 @@ pub fn load_bitmap(path: impl AsRef<Path>, raw: bool) -> Result<Bitmap, ImageErr
 /// # Errors
 /// As [`load_bitmap`].
 pub fn read_bitmap(bytes: &[u8], raw: bool, file: &Path) -> Result<Bitmap, ImageError> {
+    read(bytes, raw, None, file)
+}
+
+/// Reads one channel of an image file, as a grey image; see the module for `raw`. Alpha is never encoded.
+///
+/// # Errors
+/// As [`load_bitmap`].
+pub fn load_channel(
+    path: impl AsRef<Path>,
+    raw: bool,
+    channel: Channel,
+) -> Result<Bitmap, ImageError> {
+    let path = path.as_ref();
+    let raw = raw || channel == Channel::Alpha;
+    read(&read_file(path)?, raw, Some(channel), path)
+}
+
+fn read(
+    bytes: &[u8],
+    raw: bool,
+    channel: Option<Channel>,
+    file: &Path,
+) -> Result<Bitmap, ImageError> {
     const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
     if bytes.starts_with(&EXR_MAGIC) {
-        return from_exr(&read_exr_bytes(bytes, file)?, file);
+        return from_exr(&read_exr_bytes(bytes, file)?, channel, file);
+    }
+    if pfm::is_pfm(bytes) {
+        let map = pfm::read(bytes, file)?;
+        return Ok(of_floats(map.data, map.width, map.height, channel));
+    }
+    if radiance::is_radiance(bytes) {
+        let (common, order, warnings) = radiance::normalize(bytes, file)?;
+        let mut bitmap = decode(&common, ImageFormat::Hdr, raw, None, file)?;
+        if let Texels::Rgb32F(data) = bitmap.texels {
+            let (data, width, height) = order.apply(data, bitmap.width, bitmap.height);
+            let repairs = bitmap.warnings;
+            bitmap = of_floats(data, width, height, channel);
+            bitmap.warnings.extend(repairs);
+        }
+        bitmap.warnings.extend(warnings);
+        return Ok(bitmap);
     }
     let is_tga = || {
         let extension = file.extension().unwrap_or_default();
@@ -71,12 +126,50 @@ pub fn read_bitmap(bytes: &[u8], raw: bool, file: &Path) -> Result<Bitmap, Image
         Err(_) if is_tga() => ImageFormat::Tga,
         Err(_) => return Err(ImageError::unsupported(file, "the image's format")),
     };
-    decode(bytes, format, raw, file)
+    decode(bytes, format, raw, channel, file)
 }
 
-fn decode(bytes: &[u8], format: ImageFormat, raw: bool, file: &Path) -> Result<Bitmap, ImageError> {
+/// What a decoder does not take, as the subject of a sentence.
+fn feature(error: &image::error::UnsupportedError) -> String {
+    use image::error::UnsupportedErrorKind;
+    match error.kind() {
+        UnsupportedErrorKind::Color(color) => format!("an image with colours of type {color:?}"),
+        UnsupportedErrorKind::Format(format) => format!("the image's format, {format},"),
+        UnsupportedErrorKind::GenericFeature(feature) => {
+            format!("a feature of the image ({feature})")
+        }
+        _ => "a feature of the image".into(),
+    }
+}
+
+/// An image of floats, or one channel of it; there is no alpha.
+fn of_floats(mut data: Vec<f32>, width: u32, height: u32, channel: Option<Channel>) -> Bitmap {
+    if let Some(channel) = channel {
+        for pixel in data.as_chunks_mut::<3>().0 {
+            *pixel = [match channel {
+                Channel::Alpha => 1.0,
+                color => pixel[color as usize],
+            }; 3];
+        }
+    }
+    let warnings = make_finite(&mut data);
+    Bitmap {
+        width,
+        height,
+        texels: Texels::Rgb32F(data),
+        warnings,
+    }
+}
+
+fn decode(
+    bytes: &[u8],
+    format: ImageFormat,
+    raw: bool,
+    channel: Option<Channel>,
+    file: &Path,
+) -> Result<Bitmap, ImageError> {
     let error = |error: image::ImageError| match error {
-        image::ImageError::Unsupported(what) => ImageError::unsupported(file, what.to_string()),
+        image::ImageError::Unsupported(what) => ImageError::unsupported(file, feature(&what)),
         other => ImageError::malformed(file, format!("damaged image: {other}")),
     };
     let believable = believable_bytes(bytes.len());
@@ -109,6 +202,30 @@ fn decode(bytes: &[u8], format: ImageFormat, raw: bool, file: &Path) -> Result<B
         return refuse("the file is too short to hold it");
     }
     let image = DynamicImage::from_decoder(decoder).map_err(error)?;
+    let is_float = matches!(
+        image.color(),
+        image::ColorType::Rgb32F | image::ColorType::Rgba32F
+    );
+    let (image, channel) = match channel {
+        Some(channel) if image.color().bytes_per_pixel() == image.color().channel_count() => {
+            let mut rgba = image.into_rgba8();
+            for pixel in rgba.pixels_mut() {
+                let value = pixel.0[channel as usize];
+                pixel.0 = [value, value, value, 255];
+            }
+            (DynamicImage::from(rgba), None)
+        }
+        Some(channel) => {
+            let floats = image.into_rgba32f();
+            let grey = image::ImageBuffer::from_fn(width, height, |x, y| {
+                image::Rgb([floats.get_pixel(x, y).0[channel as usize]; 3])
+            });
+            (DynamicImage::ImageRgb32F(grey), Some(channel))
+        }
+        None => (image, None),
+    };
+    let is_encoded = !raw && channel.is_some() && !is_float;
+    let mut warnings = Vec::new();
     let texels = match &image {
         DynamicImage::ImageLuma8(_)
         | DynamicImage::ImageLumaA8(_)
@@ -118,7 +235,12 @@ fn decode(bytes: &[u8], format: ImageFormat, raw: bool, file: &Path) -> Result<B
             srgb: !raw,
         },
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            Texels::Rgb32F(finite(image.into_rgb32f().into_raw(), file))
+            let mut data = image.into_rgb32f().into_raw();
+            if is_encoded {
+                data.iter_mut().for_each(|v| *v = srgb_to_linear(*v));
+            }
+            warnings = make_finite(&mut data);
+            Texels::Rgb32F(data)
         }
         // 16 bits: floats keep them.
         _ => {
@@ -138,7 +260,47 @@ fn decode(bytes: &[u8], format: ImageFormat, raw: bool, file: &Path) -> Result<B
         width,
         height,
         texels,
+        warnings,
     })
+}
+
+impl Bitmap {
+    /// The image with values that were read raw decoded by a power: linear = encoded^gamma.
+    #[must_use]
+    pub fn with_gamma(self, gamma: f32) -> Bitmap {
+        self.decoded(|encoded| encoded.abs().powf(gamma).copysign(encoded))
+    }
+
+    /// The image with values that were read raw decoded as sRGB.
+    #[must_use]
+    pub fn with_srgb(self) -> Bitmap {
+        match self.texels {
+            Texels::Rgba8 { data, .. } => Bitmap {
+                texels: Texels::Rgba8 { data, srgb: true },
+                ..self
+            },
+            Texels::Rgb32F(_) => self.decoded(srgb_to_linear),
+        }
+    }
+
+    fn decoded(self, decode: impl Fn(f32) -> f32) -> Bitmap {
+        let data = match self.texels {
+            Texels::Rgb32F(data) => data.into_iter().map(decode).collect(),
+            Texels::Rgba8 { data, .. } => {
+                let table: Vec<f32> = (0..=255).map(|i| decode(i as f32 / 255.0)).collect();
+                data.as_chunks::<4>()
+                    .0
+                    .iter()
+                    .flat_map(|texel| [texel[0], texel[1], texel[2]])
+                    .map(|byte| table[usize::from(byte)])
+                    .collect()
+            }
+        };
+        Bitmap {
+            texels: Texels::Rgb32F(data),
+            ..self
+        }
+    }
 }
 
 /// Inverse of the sRGB transfer function, IEC 61966-2-1.
@@ -152,7 +314,13 @@ fn srgb_to_linear(encoded: f32) -> f32 {
 
 /// The colour channels of an OpenEXR image: `R`, `G`, `B`; or `Y`; or the first layer that has either; or the only
 /// channel there is (besides alpha).
-fn from_exr(exr: &ExrImage, file: &Path) -> Result<Bitmap, ImageError> {
+fn from_exr(exr: &ExrImage, channel: Option<Channel>, file: &Path) -> Result<Bitmap, ImageError> {
+    if channel == Some(Channel::Alpha)
+        && let Some(alpha) = exr.channel("A")
+    {
+        let data = alpha.iter().flat_map(|&a| [a; 3]).collect();
+        return Ok(of_floats(data, exr.width, exr.height, None));
+    }
     let Some(planes) = color_planes(exr) else {
         let names: Vec<&str> = exr.channels.iter().map(|(name, _)| name.as_str()).collect();
         let what = format!("an image with the channels {}", names.join(", "));
@@ -163,11 +331,9 @@ fn from_exr(exr: &ExrImage, file: &Path) -> Result<Bitmap, ImageError> {
     for i in 0..pixels {
         data.extend(planes.map(|plane| plane[i]));
     }
-    Ok(Bitmap {
-        width: exr.width,
-        height: exr.height,
-        texels: Texels::Rgb32F(finite(data, file)),
-    })
+    let mut bitmap = of_floats(data, exr.width, exr.height, channel);
+    bitmap.warnings.extend(exr.warnings.iter().cloned());
+    Ok(bitmap)
 }
 
 fn color_planes(exr: &ExrImage) -> Option<[&[f32]; 3]> {
@@ -196,9 +362,10 @@ fn color_planes(exr: &ExrImage) -> Option<[&[f32]; 3]> {
         })
 }
 
-fn finite(mut data: Vec<f32>, file: &Path) -> Vec<f32> {
+/// Replaces what is not finite; says so.
+fn make_finite(data: &mut [f32]) -> Vec<String> {
     let mut repaired = 0_usize;
-    for value in &mut data {
+    for value in data {
         if !value.is_finite() {
             repaired += 1;
             *value = match *value {
@@ -207,11 +374,8 @@ fn finite(mut data: Vec<f32>, file: &Path) -> Vec<f32> {
             };
         }
     }
-    if repaired > 0 {
-        tracing::warn!(
-            "{}: {repaired} values are not finite and are replaced",
-            file.display()
-        );
+    if repaired == 0 {
+        return Vec::new();
     }
-    data
+    vec![format!("{repaired} values are not finite and are replaced")]
 }

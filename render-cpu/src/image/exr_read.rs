@@ -39,6 +39,8 @@ pub struct ExrImage {
     /// Name and value of each attribute that is text or a number, as text, sorted by name. Parts after the first
     /// prefix the names of theirs like those of channels.
     pub attributes: Vec<(String, String)>,
+    /// What was left out, a sentence each.
+    pub warnings: Vec<String>,
 }
 
 impl ExrImage {
@@ -116,10 +118,9 @@ fn decode(bytes: &[u8], file: &Path) -> Result<ExrImage, ImageError> {
         collect_attributes(header, if part == 0 { "" } else { &prefix }, &mut image);
         first_channel.push(image.channels.len());
         if header.layer_size != size {
-            tracing::warn!(
-                "{}: part {part} differs in size from the first and is ignored",
-                file.display()
-            );
+            image.warnings.push(format!(
+                "part {part} differs in size from the first and is left out"
+            ));
             continue;
         }
         for channel in &header.channels.list {

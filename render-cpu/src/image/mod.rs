@@ -11,9 +11,11 @@ pub mod exr_output;
 pub mod exr_read;
 pub mod merge;
 pub mod metadata;
+mod pfm;
 pub mod png_output;
+mod radiance;
 
-pub use bitmap::{Bitmap, Texels, load_bitmap, read_bitmap};
+pub use bitmap::{Bitmap, Channel, Texels, load_bitmap, load_channel, read_bitmap};
 pub use error::ImageError;
 pub use exr_read::{ExrImage, read_exr, read_exr_bytes};
 

@@ -16,7 +16,7 @@ pub struct MaterialNames {
 
 impl Mesh {
     /// The part of the mesh whose material has the index `name` in [`MaterialNames::names`], with the vertices that it
-    /// uses, in their order.
+    /// uses, numbered by first use.
     ///
     /// # Panics
     /// When a triangle's index is out of range, which [`Mesh::validate`] rules out.
@@ -28,14 +28,14 @@ impl Mesh {
         };
         let chosen: Vec<usize> = (0..self.triangles.len()).filter(|&t| is_in(t)).collect();
         let mut place = vec![UNUSED; self.positions.len()];
+        let mut kept = Vec::new();
         for &t in &chosen {
             for i in self.triangles[t] {
-                place[i as usize] = 0;
+                if place[i as usize] == UNUSED {
+                    place[i as usize] = kept.len() as u32;
+                    kept.push(i as usize);
+                }
             }
-        }
-        let kept: Vec<usize> = (0..place.len()).filter(|&i| place[i] == 0).collect();
-        for (new, &old) in kept.iter().enumerate() {
-            place[old] = new as u32;
         }
         Mesh {
             positions: pick(&self.positions, &kept),

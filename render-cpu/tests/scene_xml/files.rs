@@ -230,7 +230,7 @@ fn files_that_are_no_text_are_refused() {
     .expect("writes");
     assert_eq!(
         folder.error("latin.xml"),
-        "latin.xml:2:6: is not UTF-8 text"
+        "latin.xml:2:6: is not UTF-8 text, and names no other encoding"
     );
     std::fs::write(
         folder.0.path().join("bom.xml"),

@@ -61,6 +61,23 @@ pub mod lobe_kind {
     pub const ROUGH_DIFFUSE: u32 = 9;
     /// Conductor with reflection at the microfacets and diffraction at their finer roughness (CTD).
     pub const DIFFRACTING_CONDUCTOR: u32 = 10;
+    /// Power of the cosine to the mirror direction (modified Phong).
+    pub const PHONG: u32 = 16;
+    /// Elliptical Gaussian over the slope of the half vector (Ward); [`super::LobeRecord::distribution`] is one of
+    /// [`crate::bsdf::ward::variant`].
+    pub const WARD: u32 = 17;
+    /// Lambertian transmission.
+    pub const DIFFUSE_TRANSMISSION: u32 = 18;
+    /// Diffuse part of the principled model.
+    pub const PRINCIPLED_DIFFUSE: u32 = 19;
+    /// Sheen of the principled model.
+    pub const SHEEN: u32 = 20;
+    /// Microfacets that reflect with Schlick's approximation.
+    pub const SCHLICK_REFLECTION: u32 = 21;
+    /// Clear coat of the principled model.
+    pub const CLEARCOAT: u32 = 22;
+    /// Number of values that kinds take.
+    pub const COUNT: u32 = 23;
 }
 
 /// Microfacet distributions.
@@ -89,6 +106,12 @@ pub mod lobe_flag {
     pub const SAMPLE_ALL_NORMALS: u32 = 16;
     /// The coats follow the surface and only what is below them the lobe's perturbed frame; else both share that frame.
     pub const COATS_OUTSIDE_FRAME: u32 = 32;
+    /// The roughnesses are those of the principled model: `alpha_u` is the root of the width, `alpha_v` the anisotropy.
+    pub const PRINCIPLED_ROUGHNESS: u32 = 64;
+    /// The factor on transmission is the root of what is given, as light passes the surface twice.
+    pub const ROOT_TRANSMITTANCE: u32 = 128;
+    /// Schlick's reflectance is the hue of what is given times that of the index.
+    pub const TINTED: u32 = 256;
 }
 
 /// One scattering model with its parameters.

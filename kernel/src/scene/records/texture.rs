@@ -1,4 +1,4 @@
-//! Textures: bitmaps, checkerboards, attributes of meshes.
+//! Textures: bitmaps, checkerboards, grids, wireframes, attributes of meshes.
 
 use super::RgbParameter;
 use bytemuck::{Pod, Zeroable};
@@ -17,6 +17,11 @@ pub mod texture_kind {
     pub const FACE_ATTRIBUTE: u32 = 3;
     /// `color0` times the texture in `color0.texture` (nested scaling).
     pub const SCALE: u32 = 4;
+    /// Lines of the value of `color1` along whole u and v, on the value of `color0`: `data[0]` holds the bits of half their width.
+    pub const GRID: u32 = 5;
+    /// Lines of the value of `color1` along the edges of triangles, on the value of `color0`: `data[0]` and `data[1]` hold the bits of
+    /// the distances from an edge within which the first is not, and beyond which only the second is mixed in.
+    pub const WIREFRAME: u32 = 6;
 }
 
 /// Formats of texels, one or more `u32` words each.

@@ -6,7 +6,9 @@ use super::segment::Segment;
 use super::surfaces::PointLanes;
 use crate::math::{Rgb, field, vec3};
 use crate::scene::bitmap::Bitmap;
-use crate::scene::texture::{MAX_NESTING, eval_at_point, is_nested, leads_to_second, transform_uv};
+use crate::scene::texture::{
+    MAX_NESTING, eval_at_point, eval_uv, is_nested, leads_to_second, transform_uv,
+};
 use crate::scene::{NONE, Tables, texture_kind};
 use crate::simd::lanes::Vec3Lanes;
 use crate::simd::{SimdLevel, multiversioned};
@@ -72,7 +74,7 @@ impl<const N: usize> TextureLanes<N> {
             &mut others,
         );
         if others != 0 {
-            self.attributes(tables, segment, points);
+            self.attributes(tables, segment, uv, points);
         }
     }
 
@@ -87,12 +89,13 @@ impl<const N: usize> TextureLanes<N> {
         }
     }
 
-    /// Attributes of meshes, slot by slot.
+    /// What is neither nested nor a bitmap, slot by slot.
     #[inline(never)]
     fn attributes(
         &mut self,
         tables: &Tables<'_>,
         segment: Segment,
+        uv: &[[f32; N]; 2],
         points: Option<&PointLanes<N>>,
     ) {
         for k in segment.occupied::<N>() {
@@ -101,7 +104,7 @@ impl<const N: usize> TextureLanes<N> {
             if texture != NONE && kind != texture_kind::BITMAP {
                 let attribute = match points {
                     Some(points) => eval_at_point(tables, texture, &points.get(k)),
-                    None => Vec3::ZERO,
+                    None => eval_uv(tables, texture, Vec2::new(uv[0][k], uv[1][k])),
                 };
                 self.value.set(k, self.value.get(k) * attribute);
             }

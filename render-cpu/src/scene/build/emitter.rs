@@ -1,7 +1,7 @@
 //! Emitter plugins to records, with their sampling tables.
 
 use super::Builder;
-use super::texture::{MeshAttributes, expect_constant};
+use super::texture::{MeshAttributes, Reading, expect_constant};
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::transform;
@@ -175,7 +175,8 @@ impl Builder {
         let mut record = empty(emitter_kind::ENVIRONMENT);
         let scale = object.get_float("scale", 1.0)? as f32;
         let path = object.require_file("filename")?;
-        let [first, width, height, format] = self.bitmap(object, &path, false)?;
+        // What it asks for of 0.6 is understood as by a bitmap.
+        let [first, width, height, format] = self.bitmap(object, &path, Reading::of(object)?)?;
         record.radiance = RgbParameter {
             value: [scale; 3],
             texture: self.tables.textures.len() as u32,

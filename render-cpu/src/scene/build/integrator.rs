@@ -1,16 +1,36 @@
 //! Integrator plugins to the kernel's settings.
+//!
+//! Some integrators stand around others and add to what those compute: `aov`, `moment`, `adaptive`, `irrcache`, and
+//! `multichannel` with its `field`s. The one inside runs, with its own parameters; what is added becomes layers of the image.
 
 use super::BuildOptions;
+use crate::film::aov::{Aov, AovSet};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
+use std::sync::Arc;
 
-/// Settings and the name of the algorithm that will run.
-pub(super) fn build(
-    root: &Object,
-    options: &BuildOptions,
-) -> Result<(IntegratorSettings, String), SceneError> {
+/// Deeper nesting is a mistake.
+const MAX_DEPTH: usize = 16;
+
+/// What will run.
+pub(super) struct Integrator {
+    /// Its parameters.
+    pub settings: IntegratorSettings,
+    /// Its name.
+    pub name: String,
+    /// What is asked for beside the image.
+    pub layers: AovSet,
+}
+
+/// The algorithm that will run.
+pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator, SceneError> {
+    let mut layers = AovSet::NONE;
     let object = root.single_child_of(ObjectKind::Integrator)?;
+    let object = match object {
+        Some(object) => Some(innermost(object, &mut layers, 0)?),
+        None => None,
+    };
     let mut settings = IntegratorSettings::PATH;
     let mut name = match (object, &options.integrator) {
         (_, Some(name)) => name.clone(),
@@ -69,7 +89,93 @@ pub(super) fn build(
             ));
         }
     }
-    Ok((settings, name))
+    Ok(Integrator {
+        settings,
+        name,
+        layers,
+    })
+}
+
+/// The integrator inside of those that only add to it.
+fn innermost<'a>(
+    object: &'a Arc<Object>,
+    layers: &mut AovSet,
+    depth: usize,
+) -> Result<&'a Arc<Object>, SceneError> {
+    object.touch();
+    match object.plugin.as_str() {
+        "aov" => {
+            // Names of layers and what they hold, `dd:depth,nn:sh_normal`.
+            let list = object.get_string("aovs", "")?.to_owned();
+            for item in list
+                .split(',')
+                .map(str::trim)
+                .filter(|item| !item.is_empty())
+            {
+                let kind = item.rsplit(':').next().unwrap_or(item).trim();
+                add_layer(object, "aovs", kind, layers)?;
+            }
+        }
+        "moment" => *layers = layers.with(Aov::Variance),
+        "multichannel" => {}
+        "adaptive" | "irrcache" => {
+            let instead = if object.plugin == "adaptive" {
+                "all pixels get the same number of samples (--adaptive spreads them by the error)"
+            } else {
+                "nothing is cached or interpolated"
+            };
+            object.warn(format!(
+                "the integrator \"{}\" is not supported: what it holds runs alone, and {instead}",
+                object.plugin
+            ))?;
+            object.ignore();
+        }
+        _ => return Ok(object),
+    }
+    if depth >= MAX_DEPTH {
+        return Err(object.error("integrators are nested too deeply"));
+    }
+    let mut found = None;
+    for child in object.children_of(ObjectKind::Integrator) {
+        if child.object.plugin == "field" {
+            let field = child.object.require_string("field")?.to_owned();
+            child.object.get("undefined");
+            add_layer(child.object, "field", &field, layers)?;
+        } else if found.is_some() {
+            child
+                .object
+                .warn("a second integrator within another is not supported; it is left out")?;
+            child.object.ignore();
+        } else {
+            found = Some(child.object);
+        }
+    }
+    let inner = found.ok_or_else(|| object.error("needs a nested integrator"))?;
+    innermost(inner, layers, depth + 1)
+}
+
+/// Adds what an `aov` or a `field` asks for, under the names of both versions.
+fn add_layer(
+    object: &Object,
+    property: &str,
+    kind: &str,
+    layers: &mut AovSet,
+) -> Result<(), SceneError> {
+    let layer = match kind {
+        "depth" | "distance" => Aov::Depth,
+        "position" => Aov::Position,
+        "uv" => Aov::Uv,
+        "sh_normal" | "shNormal" => Aov::Normal,
+        "albedo" => Aov::Albedo,
+        other => {
+            return object.property_warn(
+                property,
+                format!("layers of \"{other}\" are not supported; it is left out"),
+            );
+        }
+    };
+    *layers = layers.with(layer);
+    Ok(())
 }
 
 /// A number of edges; negative means no limit.

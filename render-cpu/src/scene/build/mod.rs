@@ -12,6 +12,7 @@ mod shape;
 mod texture;
 
 use crate::accel::GroupRange;
+use crate::film::aov::AovSet;
 use crate::scene::error::{SceneError, Warning};
 use crate::scene::tables::SceneTables;
 use crate::scene::xml::unused::warn_unused;
@@ -46,6 +47,8 @@ pub struct Scene {
     pub settings: IntegratorSettings,
     /// Its plugin name.
     pub integrator: String,
+    /// Layers that the scene asks for beside the image.
+    pub layers: AovSet,
     /// One of [`halflight_kernel::sampler::sampler_kind`].
     pub sampler: u32,
     /// Samples per pixel that the scene asks for.
@@ -67,7 +70,7 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     let root = &parsed.root;
     root.touch();
     let sensor = sensor::build(root, options)?;
-    let (settings, integrator) = integrator::build(root, options)?;
+    let integrator = integrator::build(root, options)?;
     let mut builder = Builder::new(sensor.camera);
     sensor::fill_filter_table(&mut builder.tables);
     builder.add_shapes(root)?;
@@ -79,8 +82,9 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     warn_unused(root)?;
     Ok(Scene {
         tables: builder.tables,
-        settings,
-        integrator,
+        settings: integrator.settings,
+        integrator: integrator.name,
+        layers: integrator.layers,
         sampler: sensor.sampler,
         spp: sensor.spp,
         seed: sensor.seed,
@@ -109,8 +113,8 @@ struct Builder {
     default_materials: [Option<u32>; 3],
     /// Textures by object index.
     textures: HashMap<usize, u32>,
-    /// Bitmaps by file and whether they are raw: first word, width, height, format.
-    bitmaps: HashMap<(PathBuf, bool), [u32; 4]>,
+    /// Bitmaps by file and how it is read: first word, width, height, format.
+    bitmaps: HashMap<(PathBuf, texture::Reading), [u32; 4]>,
     /// Shape groups by object index.
     groups: HashMap<usize, u32>,
     /// Tables of rough transmittance by distribution, whether a texture gives the roughness, its bits, and the index's.

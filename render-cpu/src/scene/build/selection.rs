@@ -24,6 +24,9 @@ impl Builder {
             ObjectKind::Sampler,
             ObjectKind::RFilter,
             ObjectKind::Film,
+            ObjectKind::Medium,
+            ObjectKind::Volume,
+            ObjectKind::Phase,
         ] {
             root.children_of(kind).for_each(drop);
         }

@@ -59,21 +59,40 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
         ))
     })?;
     let film = Film::read(sensor, &options.film)?;
-    let to_world = sensor.get_transform("to_world")?;
+    let to_world = match (sensor.plugin.as_str(), sensor.opt_vector("origin")?) {
+        ("radiancemeter", Some(origin)) => {
+            let origin = glam::DVec3::from_array(origin);
+            let direction = sensor.opt_vector("direction")?.ok_or_else(|| {
+                sensor.property_error("origin", "needs a \"direction\" beside it")
+            })?;
+            transform::look_at(
+                origin,
+                origin + glam::DVec3::from_array(direction),
+                glam::DVec3::ZERO,
+            )
+            .map_err(|e| sensor.property_error("direction", e.to_string()))?
+        }
+        _ => sensor.get_transform("to_world")?,
+    };
     let (rows, inverse) = transform::rows_and_inverse(&to_world)
         .map_err(|e| sensor.property_error("to_world", e.to_string()))?;
     let kind = match sensor.plugin.as_str() {
         "perspective" => camera_kind::PERSPECTIVE,
         "thinlens" => camera_kind::THIN_LENS,
         "orthographic" => camera_kind::ORTHOGRAPHIC,
+        // All its rays are one: those of a film without a size.
+        "radiancemeter" => camera_kind::ORTHOGRAPHIC,
         other => {
             return Err(sensor.error(format!(
-                "sensors of type \"{other}\" are not supported; known are perspective, thinlens and orthographic"
+                "sensors of type \"{other}\" are not supported; known are perspective, thinlens, orthographic and radiancemeter"
             )));
         }
     };
     let [width, height] = film.size;
-    let (tan_half_width, tan_half_height) = if kind == camera_kind::ORTHOGRAPHIC {
+    let is_meter = sensor.plugin == "radiancemeter";
+    let (tan_half_width, tan_half_height) = if is_meter {
+        (0.0, 0.0)
+    } else if kind == camera_kind::ORTHOGRAPHIC {
         (1.0, height as f32 / width as f32)
     } else {
         // A new width keeps the horizontal field of view of the file's film; its rounded height would change it a
@@ -85,8 +104,14 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
             tan_half_width * height as f32 / width as f32,
         )
     };
-    let near = sensor.get_float("near_clip", 1e-2)?;
-    let far = sensor.get_float("far_clip", 1e4)?;
+    // A meter has no clipping planes.
+    let (nearest, farthest) = if is_meter {
+        (0.0, f64::from(f32::MAX))
+    } else {
+        (1e-2, 1e4)
+    };
+    let near = sensor.get_float("near_clip", nearest)?;
+    let far = sensor.get_float("far_clip", farthest)?;
     if near < 0.0 || far <= near {
         return Err(sensor.error("needs 0 <= near_clip < far_clip"));
     }

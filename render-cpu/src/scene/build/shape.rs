@@ -37,12 +37,12 @@ impl Builder {
             .instances
             .push(instance(DMat4::IDENTITY, 0, root)?);
         for (object, group_object) in placed {
-            let group = self.group(&group_object)?;
             let to_world = object.get_transform("to_world")?;
             if transform::inverse(&to_world) == Err(TransformError::Singular) {
                 object.property_warn("to_world", "flattens the instance; it is left out")?;
                 continue;
             }
+            let group = self.group(&group_object)?;
             self.tables
                 .instances
                 .push(instance(to_world, group, &object)?);
@@ -190,6 +190,10 @@ impl Builder {
         let mut attributes = MeshAttributes {
             first_vertex,
             first_triangle,
+            mean_edge: mean_edge(
+                &tables.positions,
+                &tables.triangles[first_triangle as usize..],
+            ),
             ..MeshAttributes::default()
         };
         for (list, into) in [
@@ -308,6 +312,27 @@ impl Builder {
             self.tables.shapes.push(shape);
         }
         Ok(())
+    }
+}
+
+/// Mean length of the edges of triangles; of no more than some thousand of them, evenly chosen.
+fn mean_edge(positions: &[[f32; 3]], triangles: &[Triangle]) -> f32 {
+    const MOST: usize = 4096;
+    let step = triangles.len().div_ceil(MOST).max(1);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for triangle in triangles.iter().step_by(step) {
+        let corners = triangle
+            .vertices
+            .map(|i| glam::Vec3::from(positions[i as usize]));
+        for k in 0..3 {
+            sum += f64::from(corners[k].distance(corners[(k + 1) % 3]));
+            count += 1.0;
+        }
+    }
+    if count > 0.0 {
+        (sum / count) as f32
+    } else {
+        0.0
     }
 }
 

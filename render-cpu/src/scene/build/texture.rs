@@ -1,7 +1,7 @@
 //! Textures and the parameters that take them.
 
 use super::Builder;
-use crate::image::{Bitmap, Texels, load_bitmap};
+use crate::image::{Bitmap, Channel, Texels, load_bitmap, load_channel};
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{ColorSource, FloatSource, Object, ObjectKind};
@@ -21,6 +21,8 @@ pub(super) struct MeshAttributes {
     pub face: Vec<(String, u32, u32)>,
     pub first_vertex: u32,
     pub first_triangle: u32,
+    /// Mean length of the edges of its triangles.
+    pub mean_edge: f32,
 }
 
 const IDENTITY_UV: [f32; 6] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -109,11 +111,9 @@ impl Builder {
         let mut shared = true;
         match object.plugin.as_str() {
             "bitmap" => {
-                let raw = object.get_bool("raw", false)?;
-                // Mitsuba 0.6: a gamma of 1 says that the values are linear.
-                let raw = raw || object.opt_float("gamma")?.is_some_and(|gamma| gamma == 1.0);
                 let path = object.require_file("filename")?;
-                let [first, width, height, format] = self.bitmap(object, &path, raw)?;
+                let reading = Reading::of(object)?;
+                let [first, width, height, format] = self.bitmap(object, &path, reading)?;
                 texture.kind = texture_kind::BITMAP;
                 texture.data = [first, width, height, format, filter(object)?, wrap(object)?];
                 texture.color0 = RgbParameter::constant([1.0; 3]);
@@ -124,8 +124,40 @@ impl Builder {
                 texture.color1 =
                     self.rgb_parameter(object, "color1", ColorUse::Reflectance, [0.2; 3], mesh)?;
             }
-            "mesh_attribute" => {
-                let name = object.require_string("name")?;
+            "gridtexture" => {
+                texture.kind = texture_kind::GRID;
+                let width = object.get_float_in("line_width", 0.01, 0.0, 0.5)? as f32;
+                texture.data[0] = width.to_bits();
+                let usage = ColorUse::Reflectance;
+                texture.color0 = RgbParameter::constant(object.get_rgb("color0", usage, [0.2; 3])?);
+                texture.color1 = RgbParameter::constant(object.get_rgb("color1", usage, [0.4; 3])?);
+            }
+            "wireframe" => {
+                texture.kind = texture_kind::WIREFRAME;
+                texture.to_uv = IDENTITY_UV;
+                let usage = ColorUse::Reflectance;
+                texture.color0 =
+                    RgbParameter::constant(object.get_rgb("interior_color", usage, [0.5; 3])?);
+                texture.color1 =
+                    RgbParameter::constant(object.get_rgb("edge_color", usage, [0.1; 3])?);
+                let width = match object.opt_float("line_width")? {
+                    Some(width) if width > 0.0 => width as f32,
+                    _ => {
+                        // A tenth of the mean edge, of each mesh.
+                        shared = false;
+                        0.1 * mesh.map_or(1.0, |mesh| mesh.mean_edge)
+                    }
+                };
+                let step = object.get_float_in("step_width", 0.5, 0.0, 1.0)? as f32;
+                texture.data[0] = (width * (1.0 - step)).to_bits();
+                texture.data[1] = width.to_bits();
+            }
+            "mesh_attribute" | "vertexcolors" => {
+                // The texture of 0.6 has the colours of the vertices only.
+                let name = match object.plugin.as_str() {
+                    "vertexcolors" => "vertex_color",
+                    _ => object.require_string("name")?,
+                };
                 let scale = object.get_float("scale", 1.0)? as f32;
                 texture.color0 = RgbParameter::constant([scale; 3]);
                 texture.to_uv = IDENTITY_UV;
@@ -195,16 +227,19 @@ impl Builder {
         &mut self,
         object: &Object,
         path: &std::path::Path,
-        raw: bool,
+        reading: Reading,
     ) -> Result<[u32; 4], SceneError> {
-        let key = (path.to_path_buf(), raw);
+        let key = (path.to_path_buf(), reading);
         if let Some(&known) = self.bitmaps.get(&key) {
             return Ok(known);
         }
         let bitmap = object
             .kept_files()
-            .get(path, raw.into(), || load_bitmap(path, raw))
+            .get(path, reading.variant(), || reading.load(path))
             .map_err(|e| object.property_error("filename", e.to_string()))?;
+        for warning in &bitmap.warnings {
+            object.property_warn("filename", format!("{}: {warning}", path.display()))?;
+        }
         let entry = self.push_bitmap(object, &bitmap)?;
         self.bitmaps.insert(key, entry);
         Ok(entry)
@@ -233,6 +268,96 @@ impl Builder {
             }
         };
         Ok([first, bitmap.width, bitmap.height, format])
+    }
+}
+
+/// How the values of an image file are understood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Reading {
+    transfer: Transfer,
+    channel: Option<Channel>,
+}
+
+/// What an image's values are before they are linear.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Transfer {
+    /// Floats are linear, integers sRGB.
+    OfFormat,
+    /// Linear.
+    Linear,
+    /// sRGB.
+    Srgb,
+    /// The bits of the power that makes them linear.
+    Gamma(u32),
+}
+
+impl Reading {
+    /// What a bitmap's properties say: `raw`, and `gamma` and `channel` of 0.6.
+    pub(super) fn of(object: &Object) -> Result<Reading, SceneError> {
+        let mut transfer = Transfer::OfFormat;
+        match object.opt_float("gamma")? {
+            // As if nothing were said.
+            None | Some(0.0) => {}
+            Some(1.0) => transfer = Transfer::Linear,
+            Some(-1.0) => transfer = Transfer::Srgb,
+            Some(gamma) if gamma > 0.0 => transfer = Transfer::Gamma((gamma as f32).to_bits()),
+            Some(gamma) => {
+                return Err(object.property_error(
+                    "gamma",
+                    format!(
+                        "{gamma} is neither positive, nor -1 for sRGB, nor 0 for that of the file"
+                    ),
+                ));
+            }
+        }
+        if object.get_bool("raw", false)? {
+            transfer = Transfer::Linear;
+        }
+        let channel = match object.opt_string("channel")? {
+            None => None,
+            Some(name) => Some(match name.to_ascii_lowercase().as_str() {
+                "r" | "x" => Channel::Red,
+                "g" | "y" => Channel::Green,
+                "b" | "z" => Channel::Blue,
+                "a" => Channel::Alpha,
+                _ => {
+                    return Err(object.property_error(
+                        "channel",
+                        format!("\"{name}\" is none of r, g, b, a, x, y, z"),
+                    ));
+                }
+            }),
+        };
+        Ok(Reading { transfer, channel })
+    }
+
+    /// A number that tells ways of reading apart.
+    fn variant(self) -> u64 {
+        let transfer = match self.transfer {
+            Transfer::OfFormat => 0,
+            Transfer::Linear => 1,
+            Transfer::Srgb => 2,
+            Transfer::Gamma(bits) => 3 | u64::from(bits) << 8,
+        };
+        let channel = self.channel.map_or(0, |channel| channel as u64 + 1);
+        transfer | channel << 40
+    }
+
+    fn load(self, path: &std::path::Path) -> Result<Bitmap, crate::image::ImageError> {
+        let raw = self.transfer != Transfer::OfFormat;
+        let bitmap = match self.channel {
+            None => load_bitmap(path, raw)?,
+            Some(channel) => load_channel(path, raw, channel)?,
+        };
+        // Opacity is never encoded.
+        if self.channel == Some(Channel::Alpha) {
+            return Ok(bitmap);
+        }
+        Ok(match self.transfer {
+            Transfer::OfFormat | Transfer::Linear => bitmap,
+            Transfer::Srgb => bitmap.with_srgb(),
+            Transfer::Gamma(bits) => bitmap.with_gamma(f32::from_bits(bits)),
+        })
     }
 }
 

@@ -145,7 +145,7 @@ impl Copy<'_> {
                 property.tag,
             );
             // The original has each name once.
-            let _ = properties.insert(copy);
+            let _ = properties.insert(copy, false);
         }
         let copy = Arc::new(Object {
             kind: object.kind,
@@ -155,6 +155,7 @@ impl Copy<'_> {
             properties,
             location: object.location.clone(),
             search_paths: object.search_paths.clone(),
+            is_legacy: object.is_legacy,
             diagnostics: self.diagnostics.clone(),
             kept_files: object.kept_files.clone(),
             touched: AtomicBool::new(false),

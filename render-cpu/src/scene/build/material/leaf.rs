@@ -86,6 +86,10 @@ impl Builder {
                 lobe.kind = lobe_kind::MERL;
                 lobe.table = self.measured(object)?;
             }
+            "difftrans" => {
+                lobe.kind = lobe_kind::DIFFUSE_TRANSMISSION;
+                lobe.specular_transmittance = color(self, "transmittance", 0.5)?;
+            }
             "null" => lobe.kind = lobe_kind::NULL,
             other => {
                 object.warn(format!(

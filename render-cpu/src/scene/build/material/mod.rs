@@ -5,14 +5,16 @@
 //! list of lobes, which the kernel walks without recursion.
 
 mod diffraction;
+mod glossy;
 mod layered;
 mod leaf;
 mod parameters;
+mod principled;
 
 use super::Builder;
 use super::texture::MeshAttributes;
 use crate::scene::error::SceneError;
-use crate::scene::xml::{Object, ObjectKind};
+use crate::scene::xml::{Object, ObjectKind, Value};
 use halflight_kernel::scene::{
     FrameMap, LobeRecord, MAX_LOBES, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
     frame_map_kind, lobe_flag, lobe_kind,
@@ -48,6 +50,7 @@ impl PendingLobe {
             lobe_kind::DIELECTRIC
                 | lobe_kind::THIN_DIELECTRIC
                 | lobe_kind::ROUGH_DIELECTRIC
+                | lobe_kind::DIFFUSE_TRANSMISSION
                 | lobe_kind::NULL
         )
     }
@@ -80,7 +83,9 @@ impl Builder {
             self.default_materials[slot] = Some(index);
             return Ok(index);
         };
-        let bound = mesh.is_some_and(|m| !m.vertex.is_empty() || !m.face.is_empty());
+        // Whether it depends on the mesh: on its attributes, or on the length of its edges.
+        let bound = mesh
+            .is_some_and(|m| !m.vertex.is_empty() || !m.face.is_empty() || uses_wireframe(object));
         if !bound && let Some(&index) = self.materials.get(&object.index) {
             return Ok(index);
         }
@@ -224,6 +229,8 @@ impl Builder {
                     self.flatten(child, part, lobes)?;
                 }
             }
+            "phong" | "ward" => self.glossy(object, &context, lobes)?,
+            "principled" => self.principled(object, &context, lobes)?,
             "coating" | "roughcoating" => self.coating(object, &context, inner, lobes)?,
             "normalmap" | "bumpmap" => {
                 let nested = nested_bsdfs(object, 1, 1)?;
@@ -273,6 +280,24 @@ impl Builder {
         });
         Ok(())
     }
+}
+
+/// Whether a `wireframe` texture is somewhere below an object.
+fn uses_wireframe(object: &Object) -> bool {
+    let mut pending: Vec<&Object> = vec![object];
+    let mut seen = std::collections::HashSet::new();
+    while let Some(object) = pending.pop() {
+        if object.kind == ObjectKind::Texture && object.plugin == "wireframe" {
+            return true;
+        }
+        if seen.insert(object.index) {
+            pending.extend(object.properties.iter().filter_map(|p| match &p.value {
+                Value::Object(child) => Some(child.as_ref()),
+                _ => None,
+            }));
+        }
+    }
+    false
 }
 
 /// The weights of a `mixturebsdf`, one for each of its `count` parts, scaled down when they sum to more than one.

@@ -31,6 +31,15 @@ pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     for warning in mesh.warnings.drain(..) {
         object.property_warn("filename", format!("{}: {warning}", path.display()))?;
     }
+    // Mitsuba 0.6 takes the colours of PLY files as encoded unless told otherwise.
+    if object.plugin == "ply" && object.is_legacy && object.get_bool("srgb", true)? {
+        for attribute in &mut mesh.vertex_attributes {
+            if attribute.name == "vertex_color" {
+                let linear = |v: f32| crate::scene::color::srgb_to_linear(v.into()) as f32;
+                attribute.values.iter_mut().for_each(|v| *v = linear(*v));
+            }
+        }
+    }
     let asks_for_faces = object.get_bool("face_normals", false)?;
     mesh.face_normals |= asks_for_faces;
     if let Some(angle) = object.opt_float("max_smooth_angle")? {

@@ -1,0 +1,95 @@
+//! Integrators around an integrator run what they hold, with its parameters.
+
+use crate::{Files, text};
+use halflight::film::aov::Aov;
+use halflight::scene::build::Scene;
+use halflight_kernel::transport::integrator_kind;
+
+const INNER: &str = r#"<integrator type="direct" name="image"><boolean name="hide_emitters" value="true"/><integer name="emitter_samples" value="3"/></integrator>"#;
+
+#[track_caller]
+fn load(version: &str, integrator: &str, strict: bool) -> Scene {
+    Files::new(&[])
+        .load(text(version, integrator).as_bytes(), strict)
+        .unwrap()
+}
+
+#[track_caller]
+fn is_inner(scene: &Scene) {
+    assert_eq!(scene.integrator, "direct");
+    assert_eq!(scene.settings.kind, integrator_kind::DIRECT);
+    assert_eq!(scene.settings.hide_emitters, 1);
+    assert_eq!(scene.settings.emitter_samples, 3);
+}
+
+#[test]
+fn what_they_add_becomes_layers() {
+    for (version, around, layers) in [
+        (
+            "3.0.0",
+            format!(
+                r#"<integrator type="aov"><string name="aovs" value="dd:depth, nn:sh_normal,uv:uv,p:position,a:albedo"/>{INNER}</integrator>"#
+            ),
+            vec![Aov::Albedo, Aov::Normal, Aov::Depth, Aov::Position, Aov::Uv],
+        ),
+        (
+            "3.0.0",
+            format!(r#"<integrator type="moment">{INNER}</integrator>"#),
+            vec![Aov::Variance],
+        ),
+        (
+            "3.0.0",
+            format!(
+                r#"<integrator type="moment"><integrator type="aov"><string name="aovs" value="dd:depth"/>{INNER}</integrator></integrator>"#
+            ),
+            vec![Aov::Depth, Aov::Variance],
+        ),
+        (
+            "0.6.0",
+            format!(
+                r#"<integrator type="multichannel">{INNER}<integrator type="field"><string name="field" value="shNormal"/></integrator><integrator type="field"><string name="field" value="distance"/></integrator></integrator>"#
+            ),
+            vec![Aov::Normal, Aov::Depth],
+        ),
+    ] {
+        let scene = load(version, &around, true);
+        is_inner(&scene);
+        assert_eq!(scene.layers.iter().collect::<Vec<_>>(), layers, "{around}");
+    }
+    let plain = load("3.0.0", INNER, true);
+    is_inner(&plain);
+    assert_eq!(plain.layers.iter().count(), 0);
+}
+
+#[test]
+fn what_they_would_do_is_said() {
+    for (around, words) in [
+        (
+            format!(
+                r#"<integrator type="adaptive"><float name="maxError" value="0.1"/>{INNER}</integrator>"#
+            ),
+            "--adaptive",
+        ),
+        (
+            format!(r#"<integrator type="irrcache">{INNER}</integrator>"#),
+            "nothing is cached",
+        ),
+        (
+            format!(
+                r#"<integrator type="aov"><string name="aovs" value="x:dp_du"/>{INNER}</integrator>"#
+            ),
+            "\"dp_du\"",
+        ),
+        (
+            format!(
+                r#"<integrator type="multichannel">{INNER}<integrator type="ao"/></integrator>"#
+            ),
+            "a second integrator",
+        ),
+    ] {
+        Files::new(&[]).warned("0.6.0", &around, words);
+        is_inner(&load("0.6.0", &around, false));
+    }
+    let empty = Files::new(&[]).error("3.0.0", r#"<integrator type="aov"/>"#);
+    assert!(empty.contains("needs a nested integrator"), "{empty}");
+}

@@ -7,8 +7,8 @@ use super::lobe::{is_flipped, mirrored};
 use super::{Coat, Lobe, frame_map, microfacet, rough_transmittance};
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::{
-    CoatRecord, LobeRecord, MAX_COATS, NONE, SurfacePoint, Tables, distribution, features, lobe_flag,
-    lobe_kind,
+    CoatRecord, LobeRecord, MAX_COATS, NONE, SurfacePoint, Tables, distribution, features,
+    lobe_flag, lobe_kind,
     texture::{eval_at_point, eval_rgb, eval_scalar},
 };
 use glam::{Vec2, Vec3};

@@ -134,7 +134,7 @@ impl Path {
         if self.depth + 1 >= settings.max_depth {
             // Masks are not counted: what shines behind one is on this last edge still.
             return if has_masks(tables, point) {
-                self.look_through(tables, point)
+                self.continue_through_masks(tables, point)
             } else {
                 step::END
             };

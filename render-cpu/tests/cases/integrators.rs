@@ -19,7 +19,7 @@ fn is_inner(scene: &Scene) {
     assert_eq!(scene.integrator, "direct");
     assert_eq!(scene.settings.kind, integrator_kind::DIRECT);
     assert_eq!(scene.settings.hide_emitters, 1);
-    assert_eq!(scene.settings.emitter_samples, 3);
+    assert_eq!(scene.settings.direct.emitter_samples, 3);
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 pub mod build;
 pub mod color;
+pub mod daylight;
 pub mod error;
 pub mod ior;
 pub mod kept_files;

@@ -169,7 +169,7 @@ fn float_maps_are_read() {
         ("e.pfm", &map("PF\r\n3 2\r\n-1.0\r\n", 3, true, 1.0)),
         ("short.pfm", b"PF\n3 2\n-1.0\n0000"),
         ("huge.pfm", b"PF\n60000 60000\n-1.0\n0000"),
-        ("odd.pfm", b"PF\n3 2\n0\n0000"),
+        ("odd.pfm", &[b"PF\n3 2\n0\n".as_slice(), &[0; 72]].concat()),
     ]);
     for file in ["a.pfm", "b.pfm", "c.pfm", "d.pfm", "e.pfm"] {
         assert_left(&files, file);

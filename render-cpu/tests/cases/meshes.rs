@@ -199,7 +199,11 @@ fn materials_of_an_obj_file_choose_among_named_surfaces() {
     );
     let error = files.error(
         "0.6.0",
-        &shape("obj", "one.obj", &(both + &color("name=\"red\"", blue))),
+        &shape(
+            "obj",
+            "one.obj",
+            &(both + &color("", red) + &color("", blue)),
+        ),
     );
     assert!(error.contains("already"), "{error}");
     let error = files.error(

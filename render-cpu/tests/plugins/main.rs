@@ -1,6 +1,7 @@
 //! Plugins that public scenes use: a scene of each loads strictly and shows something, and their values are those of Mitsuba or
 //! of the published formulas.
 
+mod daylight;
 mod principled;
 mod textures;
 

@@ -32,6 +32,7 @@ impl Builder {
                 "directional" => self.add_directional(object)?,
                 "constant" => self.add_constant(object)?,
                 "envmap" => self.add_environment(object)?,
+                "sky" | "sun" | "sunsky" => self.add_daylight(object)?,
                 // A definition for shapes to refer to.
                 "area" if object.id.is_some() => {}
                 "area" => object.warn("an area emitter needs a shape around it; it is left out")?,
@@ -172,11 +173,23 @@ impl Builder {
     }
 
     fn add_environment(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
-        let mut record = empty(emitter_kind::ENVIRONMENT);
         let scale = object.get_float("scale", 1.0)? as f32;
         let path = object.require_file("filename")?;
         // What it asks for of 0.6 is understood as by a bitmap.
-        let [first, width, height, format] = self.bitmap(object, &path, Reading::of(object)?)?;
+        let bitmap = self.bitmap(object, &path, Reading::of(object)?)?;
+        let to_world = object.get_transform("to_world")?;
+        self.add_environment_image(object, bitmap, scale, to_world)
+    }
+
+    /// Light from infinity by an image: first word, width, height and format of its texels.
+    pub(super) fn add_environment_image(
+        &mut self,
+        object: &Object,
+        [first, width, height, format]: [u32; 4],
+        scale: f32,
+        to_world: DMat4,
+    ) -> Result<(), SceneError> {
+        let mut record = empty(emitter_kind::ENVIRONMENT);
         record.radiance = RgbParameter {
             value: [scale; 3],
             texture: self.tables.textures.len() as u32,
@@ -200,7 +213,6 @@ impl Builder {
         let (table_width, table_height) = emitter::environment_table_size(width, height);
         record.width = table_width;
         record.height = table_height;
-        let to_world = object.get_transform("to_world")?;
         self.place(object, &mut record, to_world)?;
         let words = emitter::environment_table_words(table_width, table_height);
         let mut table = vec![0.0; words as usize];
@@ -218,7 +230,7 @@ impl Builder {
         Ok(())
     }
 
-    fn place(
+    pub(super) fn place(
         &self,
         object: &Object,
         record: &mut Emitter,
@@ -231,7 +243,7 @@ impl Builder {
 }
 
 /// An emitter with neutral parameters.
-fn empty(kind: u32) -> Emitter {
+pub(super) fn empty(kind: u32) -> Emitter {
     Emitter {
         kind,
         radiance: RgbParameter::constant([1.0; 3]),

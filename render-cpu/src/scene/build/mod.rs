@@ -3,6 +3,7 @@
 //! One pass over the tree: each plugin of each kind has one function here that reads its properties, fills records and
 //! says in an error or a warning what it cannot do. Objects that several others refer to are built once.
 
+mod daylight;
 mod emitter;
 mod integrator;
 mod material;

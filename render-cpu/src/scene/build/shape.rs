@@ -40,6 +40,7 @@ impl Builder {
             let to_world = object.get_transform("to_world")?;
             if transform::inverse(&to_world) == Err(TransformError::Singular) {
                 object.property_warn("to_world", "flattens the instance; it is left out")?;
+                group_object.ignore();
                 continue;
             }
             let group = self.group(&group_object)?;

@@ -245,7 +245,11 @@ impl Builder {
         Ok(entry)
     }
 
-    fn push_bitmap(&mut self, object: &Object, bitmap: &Bitmap) -> Result<[u32; 4], SceneError> {
+    pub(super) fn push_bitmap(
+        &mut self,
+        object: &Object,
+        bitmap: &Bitmap,
+    ) -> Result<[u32; 4], SceneError> {
         let first = u32::try_from(self.tables.texels.len())
             .map_err(|_| object.error("all textures together exceed 16 GiB"))?;
         let format = match &bitmap.texels {
@@ -337,10 +341,10 @@ impl Reading {
             Transfer::OfFormat => 0,
             Transfer::Linear => 1,
             Transfer::Srgb => 2,
-            Transfer::Gamma(bits) => 3 | u64::from(bits) << 8,
+            Transfer::Gamma(bits) => 3 | (u64::from(bits) << 8),
         };
         let channel = self.channel.map_or(0, |channel| channel as u64 + 1);
-        transfer | channel << 40
+        transfer | (channel << 40)
     }
 
     fn load(self, path: &std::path::Path) -> Result<Bitmap, crate::image::ImageError> {

@@ -129,7 +129,13 @@ fn pdf_later(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 
 /// [`sample_with_normal`] of the kinds from [`lobe_kind::PHONG`] on.
 #[inline]
-fn sample_later(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2, normal: impl FnOnce() -> Vec3) -> BsdfSample {
+fn sample_later(
+    lobe: &Lobe,
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    normal: impl FnOnce() -> Vec3,
+) -> BsdfSample {
     match lobe.kind {
         lobe_kind::PHONG => phong::sample(lobe, wi, u1, u2),
         lobe_kind::WARD => ward::sample(lobe, wi, u1, u2),

@@ -67,10 +67,14 @@ fn print_scene(scene: &Scene) {
         camera.crop_offset[1]
     );
     println!(
-        "integrator   {}, {} samples per pixel, {} sampler, seed {}",
+        "integrator   {}, {} samples per pixel, {} sampler{}, seed {}",
         scene.integrator,
         scene.spp,
         sampler_name(scene.sampler),
+        match scene.sampler_name.as_str() {
+            name if name == sampler_name(scene.sampler) => String::new(),
+            name => format!(" in place of \"{name}\""),
+        },
         scene.seed
     );
     println!(

@@ -188,6 +188,17 @@ fn materials_of_an_obj_file_choose_among_named_surfaces() {
         &shape("obj", "one.obj", &color("name=\"red\"", red)),
         "\"blue\" (usemtl)",
     );
+    // Without any, 0.6 would look for a library of materials.
+    files.warned("0.6.0", &shape("obj", "one.obj", ""), "mtllib");
+    files.clean(
+        "0.6.0",
+        &shape(
+            "obj",
+            "one.obj",
+            r#"<boolean name="loadMaterials" value="false"/>"#,
+        ),
+    );
+    files.clean("3.0.0", &shape("obj", "one.obj", ""));
     // Later versions give one surface to the whole shape, whatever its name.
     let whole = files.clean(
         "3.0.0",

@@ -83,6 +83,23 @@ fn the_sun_is_where_its_direction_says() {
 }
 
 #[test]
+fn a_direction_is_one_of_the_world() {
+    // Turning the sky leaves a sun whose direction is given, as in Mitsuba 0.6 and 3.
+    for (version, transform) in [("0.6.0", "toWorld"), ("3.0.0", "to_world")] {
+        let plugin = if version == "0.6.0" { "sun" } else { "sunsky" };
+        let emitter = format!(
+            r#"<emitter type="{plugin}"><vector name="sun_direction" x="0.5" y="0.6" z="0.7"/>
+            <transform name="{transform}"><rotate x="0.1" y="0.2" z="0.3" angle="40"/></transform></emitter>"#
+        );
+        let bright = seen(version, &emitter, [0.5, 0.6, 0.7])[1];
+        assert!(
+            bright > 20.0 * seen(version, &emitter, [0.7, 0.6, 0.5])[1],
+            "{bright}"
+        );
+    }
+}
+
+#[test]
 fn a_sun_without_a_size_is_a_directional_light_of_the_same_irradiance() {
     let lit = |scale: f64| {
         let emitter = format!(

@@ -3,6 +3,7 @@
 
 mod daylight;
 mod principled;
+mod shapes;
 mod textures;
 
 use halflight::film::aov::AovSet;

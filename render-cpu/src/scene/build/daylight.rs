@@ -8,6 +8,7 @@
 //! | `scale`, `sky_scale`, `sun_scale` | factors | 1 |
 //! | `sun_radius_scale`, or `sun_aperture` (degrees) | size of the disk; 0 makes the sun a directional light | 1, 0.5358 |
 //! | `stretch` | above 1 the sky reaches below the horizon | 1 |
+//! | `extend` | the sky goes on below the horizon, ever darker | false |
 //! | `resolution` | width of the image | 512 |
 //!
 //! Up is +y before version 2 and +z from then on. The sun of every version is that of 0.6; Mitsuba 3 has another.
@@ -19,6 +20,7 @@ use crate::scene::color::ColorUse;
 use crate::scene::daylight::sun_position::PlaceAndTime;
 use crate::scene::daylight::{Daylight, sun};
 use crate::scene::error::SceneError;
+use crate::scene::transform;
 use crate::scene::xml::Object;
 use glam::{DMat4, DVec3};
 use halflight_kernel::scene::{RgbParameter, emitter_kind};
@@ -35,10 +37,15 @@ impl Builder {
         let aperture = object.get_float_in("sun_aperture", 0.5358, 0.0, 90.0)?;
         let radius_scale = object.get_float_in("sun_radius_scale", 1.0, 0.0, 100.0)?;
         let up_is_z = !object.is_legacy;
+        let mut to_world = object.get_transform("to_world")?;
+        if up_is_z {
+            to_world *= DMat4::from_rotation_x(FRAC_PI_2);
+        }
         let day = Daylight {
             turbidity: object.get_float_in("turbidity", 3.0, 1.0, 10.0)?,
             albedo: object.get_rgb("albedo", ColorUse::Reflectance, [albedo; 3])?,
-            to_sun: to_sun(object, up_is_z)?,
+            to_sun: to_sun(object, &to_world, up_is_z)?,
+            extend: object.get_bool("extend", false)?,
             stretch: object.get_float_in("stretch", 1.0, 1.0, 2.0)?,
             sky_scale: match has_sky {
                 true => Some(scale * object.get_float("sky_scale", 1.0)?),
@@ -52,10 +59,6 @@ impl Builder {
         };
         if has_sun && day.to_sun.y <= 0.0 {
             object.warn("the sun is below the horizon and gives no light")?;
-        }
-        let mut to_world = object.get_transform("to_world")?;
-        if up_is_z {
-            to_world *= DMat4::from_rotation_x(FRAC_PI_2);
         }
         let is_directional = has_sun && day.sun_radius == 0.0;
         if is_directional {
@@ -97,7 +100,7 @@ impl Builder {
         let solid_angle = TAU * (1.0 - sun::RADIUS.cos()) * day.sun_scale.unwrap_or(1.0);
         let radiance = sun::radiance(day.to_sun.y.clamp(-1.0, 1.0).acos(), day.turbidity);
         record.radiance = RgbParameter::constant(radiance.map(|v| (v * solid_angle) as f32));
-        let along = to_world.transform_vector3(-day.to_sun).normalize();
+        let along = to_world.transform_vector3(-day.shown_sun()).normalize();
         let (x, y) = along.any_orthonormal_pair();
         let frame = DMat4::from_cols(
             x.extend(0.0),
@@ -111,12 +114,13 @@ impl Builder {
     }
 }
 
-/// Unit vector to the sun, +y up.
-fn to_sun(object: &Object, up_is_z: bool) -> Result<DVec3, SceneError> {
+/// Unit vector to the sun in the space of the image, +y up. A direction that is given is one of the world.
+fn to_sun(object: &Object, to_world: &DMat4, up_is_z: bool) -> Result<DVec3, SceneError> {
     if let Some(direction) = object.opt_vector("sun_direction")? {
-        let [x, y, z] = direction;
-        let turned = if up_is_z { [x, z, -y] } else { direction };
-        return DVec3::from_array(turned)
+        let to_local = transform::inverse(to_world)
+            .map_err(|e| object.property_error("to_world", e.to_string()))?;
+        return to_local
+            .transform_vector3(DVec3::from_array(direction))
             .try_normalize()
             .ok_or_else(|| object.property_error("sun_direction", "has no length"));
     }

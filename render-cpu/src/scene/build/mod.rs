@@ -52,6 +52,8 @@ pub struct Scene {
     pub layers: AovSet,
     /// One of [`halflight_kernel::sampler::sampler_kind`].
     pub sampler: u32,
+    /// The name of the sampler that was asked for; the one above stands in for those that are not there.
+    pub sampler_name: String,
     /// Samples per pixel that the scene asks for.
     pub spp: u32,
     /// Seed that the scene asks for.
@@ -87,6 +89,7 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
         integrator: integrator.name,
         layers: integrator.layers,
         sampler: sensor.sampler,
+        sampler_name: sensor.sampler_name,
         spp: sensor.spp,
         seed: sensor.seed,
         warnings: parsed.warnings(),

@@ -38,6 +38,7 @@ pub struct FilmOverride {
 pub(super) struct Sensor {
     pub camera: Camera,
     pub sampler: u32,
+    pub sampler_name: String,
     pub spp: u32,
     pub seed: u32,
 }
@@ -138,10 +139,11 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
         filter_table: 0,
         filter_table_size: 0,
     };
-    let (sampler, spp, seed) = read_sampler(sensor, options)?;
+    let (sampler, sampler_name, spp, seed) = read_sampler(sensor, options)?;
     Ok(Sensor {
         camera,
         sampler,
+        sampler_name,
         spp,
         seed,
     })
@@ -212,7 +214,11 @@ fn field_of_view(sensor: &Object, width: u32, height: u32) -> Result<(f32, f32),
     Ok(half_extents(fov as f32, fov_axis::DIAGONAL, width, height))
 }
 
-fn read_sampler(sensor: &Object, options: &BuildOptions) -> Result<(u32, u32, u32), SceneError> {
+/// Kind and name of the sampler, samples per pixel and seed.
+fn read_sampler(
+    sensor: &Object,
+    options: &BuildOptions,
+) -> Result<(u32, String, u32, u32), SceneError> {
     let object = sensor.single_child_of(ObjectKind::Sampler)?;
     let (mut spp, mut seed, mut plugin) = (4, 0, "independent".to_string());
     if let Some(object) = object {
@@ -247,7 +253,7 @@ fn read_sampler(sensor: &Object, options: &BuildOptions) -> Result<(u32, u32, u3
             sampler_kind::SOBOL
         }
     };
-    Ok((kind, spp, seed))
+    Ok((kind, plugin, spp, seed))
 }
 
 /// Size, crop and filter of the film.

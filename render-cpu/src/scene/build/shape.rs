@@ -1,6 +1,7 @@
 //! Shapes: meshes and analytic surfaces into the geometry tables, groups and their instances.
 
 mod analytic;
+mod heightfield;
 mod load;
 mod surfaces;
 
@@ -130,6 +131,12 @@ impl Builder {
                 } else {
                     analytic::rectangle(to_world)
                 };
+                let bsdf = surfaces::only(object)?;
+                self.add_mesh(object, mesh, bsdf, to_world, in_world)?;
+            }
+            "heightfield" => {
+                let to_world = object.get_transform("to_world")?;
+                let mesh = heightfield::mesh(object)?;
                 let bsdf = surfaces::only(object)?;
                 self.add_mesh(object, mesh, bsdf, to_world, in_world)?;
             }

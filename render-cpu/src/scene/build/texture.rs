@@ -347,7 +347,8 @@ impl Reading {
         transfer | (channel << 40)
     }
 
-    fn load(self, path: &std::path::Path) -> Result<Bitmap, crate::image::ImageError> {
+    /// Reads a file so.
+    pub(super) fn load(self, path: &std::path::Path) -> Result<Bitmap, crate::image::ImageError> {
         let raw = self.transfer != Transfer::OfFormat;
         let bitmap = match self.channel {
             None => load_bitmap(path, raw)?,

@@ -28,8 +28,10 @@ pub struct Daylight {
     pub albedo: [f32; 3],
     /// Unit vector to the sun, +y up.
     pub to_sun: DVec3,
-    /// Factor on the polar angle of the sky: above 1 it reaches below the horizon.
+    /// Factor on the polar angles of the sky and the sun: above 1 the sky reaches below the horizon.
     pub stretch: f64,
+    /// Whether the sky goes on below the horizon, ever darker towards the nadir.
+    pub extend: bool,
     /// Factor on the sky, or nothing for none.
     pub sky_scale: Option<f64>,
     /// Factor on the sun, or nothing for none.
@@ -74,10 +76,20 @@ impl Daylight {
         })
         .map_err(|error| error.to_string())?;
         for row in 0..height {
-            let theta = polar_angle(row, height) / self.stretch;
+            let seen = polar_angle(row, height);
+            let mut theta = seen / self.stretch;
             if theta >= FRAC_PI_2 {
-                break;
+                if !self.extend {
+                    break;
+                }
+                theta = FRAC_PI_2 - 1e-4;
             }
+            let fade = if self.extend {
+                let t = (2.0 - 2.0 * seen / PI).clamp(0.0, 1.0);
+                t * t * (3.0 - 2.0 * t)
+            } else {
+                1.0
+            };
             for column in 0..width {
                 let (sin_phi, cos_phi) = azimuth(column, width).sin_cos();
                 let direction =
@@ -85,7 +97,8 @@ impl Daylight {
                 let gamma = direction.dot(self.to_sun).clamp(-1.0, 1.0).acos() as f32;
                 let at = 3 * (row as usize * width as usize + column as usize);
                 for (c, channel) in [Channel::R, Channel::G, Channel::B].into_iter().enumerate() {
-                    let radiance = f64::from(sky.radiance(theta as f32, gamma, channel)) * scale;
+                    let radiance =
+                        f64::from(sky.radiance(theta as f32, gamma, channel)) * scale * fade;
                     image[at + c] += radiance.max(0.0) as f32;
                 }
             }
@@ -93,18 +106,26 @@ impl Daylight {
         Ok(())
     }
 
+    /// Where the sun is shown: its polar angle is stretched like that of the sky.
+    pub fn shown_sun(&self) -> DVec3 {
+        let theta = self.to_sun.y.clamp(-1.0, 1.0).acos() * self.stretch;
+        let across = DVec3::new(self.to_sun.x, 0.0, self.to_sun.z).normalize_or_zero();
+        across * theta.sin() + DVec3::Y * theta.cos()
+    }
+
     fn add_sun(&self, scale: f64, width: u32, height: u32, image: &mut [f32]) {
         let theta = self.to_sun.y.clamp(-1.0, 1.0).acos();
         let radiance = sun::radiance(theta, self.turbidity);
         let solid_angle = TAU * (1.0 - sun::RADIUS.cos());
         let energy = solid_angle / f64::from(DISK_POINTS) * scale;
-        let (x, z) = self.to_sun.any_orthonormal_pair();
+        let to_sun = self.shown_sun();
+        let (x, z) = to_sun.any_orthonormal_pair();
         for i in 0..DISK_POINTS {
             // A spiral of equal areas (Vogel 1979).
             let r = self.sun_radius * ((f64::from(i) + 0.5) / f64::from(DISK_POINTS)).sqrt();
             let turn = TAU * 0.618_033_988_749_895 * f64::from(i);
             let across = x * turn.cos() + z * turn.sin();
-            let direction = self.to_sun * r.cos() + across * r.sin();
+            let direction = to_sun * r.cos() + across * r.sin();
             splat(
                 direction,
                 radiance.map(|v| v * energy),
@@ -156,6 +177,7 @@ mod tests {
             albedo: [0.3; 3],
             to_sun: DVec3::new(1.0, 1.0, 0.0).normalize(),
             stretch: 1.0,
+            extend: false,
             sky_scale: None,
             sun_scale: Some(1.0),
             sun_radius: sun::RADIUS,
@@ -209,6 +231,35 @@ mod tests {
             ..night
         };
         assert!(sky.image(8, 4).unwrap_err().contains("below the horizon"));
+    }
+
+    #[test]
+    fn an_extended_sky_fades_below_the_horizon_and_a_stretched_one_moves_down() {
+        let day = Daylight {
+            sky_scale: Some(1.0),
+            sun_scale: None,
+            ..day()
+        };
+        let (width, height) = (32, 65);
+        let row = |day: &Daylight, row: usize| {
+            let image = day.image(width, height).unwrap();
+            image[3 * 32 * row..3 * 32 * (row + 1)].iter().sum::<f32>()
+        };
+        let extended = Daylight {
+            extend: true,
+            ..day
+        };
+        assert_eq!(row(&day, 40), 0.0);
+        assert!(row(&extended, 40) > row(&extended, 50) && row(&extended, 50) > row(&extended, 60));
+        assert!(row(&extended, 60) > 0.0);
+        let stretched = Daylight {
+            stretch: 1.5,
+            ..day
+        };
+        assert!(row(&stretched, 40) > 0.0 && row(&stretched, 50) == 0.0);
+        let angle = |v: DVec3| v.y.acos().to_degrees();
+        assert!((angle(stretched.shown_sun()) - 67.5).abs() < 1e-9);
+        assert!((day.shown_sun() - day.to_sun).length() < 1e-12);
     }
 
     /// Values of Mitsuba 3.9.1, `sunsky` without the sun, at the directions of texels.

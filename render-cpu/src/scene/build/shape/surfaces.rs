@@ -26,6 +26,15 @@ pub(super) fn parts(
         [child] => !object.is_legacy || material_of(child.name()).is_none(),
         _ => object.plugin != "obj",
     };
+    if object.plugin == "obj"
+        && object.get_bool("load_materials", object.is_legacy)?
+        && children.is_empty()
+        && !mesh.materials.names.is_empty()
+    {
+        object.warn(
+            "the materials of the file's library (mtllib) are not read; the shape is diffuse with a reflectance of 0.5",
+        )?;
+    }
     if is_whole {
         return Ok(vec![(mesh, only(object)?)]);
     }

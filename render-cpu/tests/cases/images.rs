@@ -119,6 +119,26 @@ fn one_channel_of_a_bitmap() {
     assert!(error.contains("\"q\" is none of"), "{error}");
 }
 
+#[test]
+fn the_axes_of_a_bitmap_may_have_modes_of_their_own() {
+    let files = Files::new(&[("grey.png", &encoded(grey8(128), ImageFormat::Png))]);
+    let mode = |name: &str, value: &str| format!(r#"<string name="{name}" value="{value}"/>"#);
+    let both = mode("wrapModeU", "clamp") + &mode("wrapModeV", "clamp");
+    let mip_maps = r#"<string name="filterType" value="ewa"/><float name="maxAnisotropy" value="8"/><boolean name="cache" value="false"/>"#;
+    let clamped = files.clean("0.6.0", &wall("grey.png", &mode("wrapMode", "clamp")));
+    assert_eq!(
+        files.clean("0.6.0", &wall("grey.png", &(both + mip_maps))),
+        clamped
+    );
+    let mixed = mode("wrapModeU", "clamp") + &mode("wrapModeV", "mirror");
+    assert_eq!(
+        files.warned("0.6.0", &wall("grey.png", &mixed), "one mode for both axes"),
+        clamped
+    );
+    let wrong = files.error("0.6.0", &wall("grey.png", &mode("wrapMode", "around")));
+    assert!(wrong.contains("\"around\" is none of"), "{wrong}");
+}
+
 /// Two rows of three pixels, grey, from the top left.
 const PIXELS: [f32; 6] = [0.0, 0.25, 0.5, 0.75, 1.0, 0.125];
 

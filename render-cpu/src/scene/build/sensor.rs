@@ -111,6 +111,10 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
     } else {
         (1e-2, 1e4)
     };
+    // Nothing moves while the shutter is open.
+    for name in ["shutter_open", "shutter_close"] {
+        sensor.get(name);
+    }
     let near = sensor.get_float("near_clip", nearest)?;
     let far = sensor.get_float("far_clip", farthest)?;
     if near < 0.0 || far <= near {

@@ -408,6 +408,10 @@ fn uv_transform(object: &Object) -> Result<[f32; 6], SceneError> {
 }
 
 fn filter(object: &Object) -> Result<u32, SceneError> {
+    // Properties of the mip maps of 0.6, of which the finest level is used.
+    for name in ["max_anisotropy", "cache", "coordinates"] {
+        object.get(name);
+    }
     Ok(match object.get_string("filter_type", "bilinear")? {
         "nearest" => filter_mode::NEAREST,
         // Mitsuba 0.6 has mip maps; without ray differentials their finest level is this.
@@ -421,8 +425,24 @@ fn filter(object: &Object) -> Result<u32, SceneError> {
     })
 }
 
+/// What lies outside of the image: `wrap_mode`, or a mode for each axis as 0.6 has it.
 fn wrap(object: &Object) -> Result<u32, SceneError> {
-    Ok(match object.get_string("wrap_mode", "repeat")? {
+    let both = object.get_string("wrap_mode", "repeat")?;
+    let (u, v) = (
+        object.get_string("wrap_mode_u", both)?,
+        object.get_string("wrap_mode_v", both)?,
+    );
+    if u != v {
+        object.property_warn(
+            "wrap_mode_v",
+            format!("one mode for both axes is supported; \"{u}\" is used for u and v"),
+        )?;
+    }
+    wrap_mode_of(object, u)
+}
+
+fn wrap_mode_of(object: &Object, name: &str) -> Result<u32, SceneError> {
+    Ok(match name {
         "repeat" => wrap_mode::REPEAT,
         "mirror" => wrap_mode::MIRROR,
         "clamp" => wrap_mode::CLAMP,

@@ -116,6 +116,7 @@ impl PyImage {
             display_size: image.full_size,
             channels: planes.collect(),
             attributes: attributes.map(|(n, v)| (n.to_owned(), v)).collect(),
+            warnings: Vec::new(),
         })
     }
 }
@@ -312,5 +313,6 @@ pub(crate) fn exr_of_array(array: &Bound<'_, PyAny>) -> PyResult<ExrImage> {
             .map(|(c, name)| (name.to_owned(), plane(c)))
             .collect(),
         attributes: Vec::new(),
+        warnings: Vec::new(),
     })
 }

@@ -105,7 +105,8 @@ pub fn integrator_settings(
     parsed: &ParsedScene,
     options: &BuildOptions,
 ) -> Result<(IntegratorSettings, String), SceneError> {
-    integrator::build(&parsed.root, options)
+    let integrator = integrator::build(&parsed.root, options)?;
+    Ok((integrator.settings, integrator.name))
 }
 
 /// State while the tables grow.

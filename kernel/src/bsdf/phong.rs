@@ -9,7 +9,7 @@
 //! those below the horizon are lost, so that the albedo falls towards grazing angles. `exponent` is clamped to
 //! [0, [`MAX_EXPONENT`]]. Invariants (tests): reciprocity, an albedo of rho_s at most, the published values.
 
-use super::{BsdfSample, Lobe, event};
+use super::{BsdfSample, Lobe, event, weighted};
 use crate::math::{Frame, Rgb, float};
 use core::f32::consts::TAU;
 use glam::{Vec2, Vec3};
@@ -61,7 +61,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     if s.wo.z <= 0.0 {
         return BsdfSample::NONE;
     }
-    s.evaluated(|wo| (pdf(lobe, wi, wo), eval(lobe, wi, wo)))
+    weighted!(s, pdf(lobe, wi, s.wo), eval(lobe, wi, s.wo))
 }
 
 /// The direction of [`sample`], which may lie below the horizon.

@@ -10,7 +10,7 @@ use super::coat_reflection::half_vector;
 use super::fresnel::reflect;
 use super::principled_diffuse::schlick_weight;
 use super::sheen::hue;
-use super::{BsdfSample, Lobe, event};
+use super::{BsdfSample, Lobe, event, weighted};
 use crate::math::{Rgb, float};
 use crate::scene::lobe_flag;
 use glam::Vec3;
@@ -59,6 +59,6 @@ pub fn sample(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
     if wi.z <= 0.0 || wo.z <= 0.0 {
         return BsdfSample::NONE;
     }
-    BsdfSample::towards(wo, event::REFLECTION | event::GLOSSY)
-        .evaluated(|wo| (pdf(lobe, wi, wo), eval(lobe, wi, wo)))
+    let s = BsdfSample::towards(wo, event::REFLECTION | event::GLOSSY);
+    weighted!(s, pdf(lobe, wi, wo), eval(lobe, wi, wo))
 }

@@ -15,7 +15,7 @@
 use super::coat_reflection::half_vector;
 use super::fresnel::reflect;
 use super::microfacet::{Microfacets, clamp_alpha};
-use super::{BsdfSample, Lobe, event};
+use super::{BsdfSample, Lobe, event, weighted};
 use crate::math::{Rgb, float};
 use crate::scene::distribution;
 use glam::{Vec2, Vec3};
@@ -88,7 +88,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
     if s.wo.z <= 0.0 {
         return BsdfSample::NONE;
     }
-    s.evaluated(|wo| (pdf(lobe, wi, wo), eval(lobe, wi, wo)))
+    weighted!(s, pdf(lobe, wi, s.wo), eval(lobe, wi, s.wo))
 }
 
 /// The direction of [`sample`], which may lie below the horizon.

@@ -1,7 +1,7 @@
 //! Which algorithm renders a scene best: images of equal processor time against a reference, and error over time.
 //!
 //! All algorithms of [`INTEGRATORS`] that are asked for render the same scene in turn, slice by slice, so that whatever else
-//! the machine does hits all of them ([`race`]). After 1/128, 1/64 ... 1 of the time their images are measured ([`errors`]);
+//! the machine does hits all of them ([`mod@race`]). After 1/128, 1/64 ... 1 of the time their images are measured ([`errors`]);
 //! the numbers become a table, a diagram and JSON ([`report`]), the last images a contact sheet with insets ([`sheet`]).
 //!
 //! Without a reference each algorithm renders two images with different random numbers, each for the whole time, and is measured

@@ -25,7 +25,7 @@ pub fn has_masks(tables: &Tables<'_>, point: &SurfacePoint) -> bool {
         && tables.materials[point.material as usize].flags & material_flag::HAS_NULL != 0
 }
 
-/// Transmittance in [0, 1] per channel along a segment, as that of [`super::connection::Connection`].
+/// Transmittance in [0, 1] per channel along a segment, as that of [`Contribution`].
 pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb {
     if !has_null(view) {
         return if view.traverse.is_occluded(&segment) {

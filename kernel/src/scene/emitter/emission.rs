@@ -16,7 +16,7 @@
 //! its direction is a density per solid angle, and the first surface that the ray meets is reached with the density p_A
 //! \|cos\| per area, whatever its distance (Veach 1997, section 8.2 and 10.1).
 //!
-//! Weights of strategies need one more number, [`EmissionDensity::light_cosine`], by which densities at the emitter and at
+//! Weights of strategies need one more number, [`light_cosine`], by which densities at the emitter and at
 //! the first surface point relate: \|w.n_g\| on area lights, the squared distance for discrete positions, one at infinity.
 //!
 //! Invariants (tests): rays follow their densities (chi-square), [`density`] of a sampled ray is the sampled density, and

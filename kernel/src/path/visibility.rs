@@ -10,11 +10,20 @@ use crate::bsdf::null_transmittance;
 use crate::math::{Ray, Rgb};
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{
-    NONE, SceneView, SurfacePoint, Traverse, features, lobe_kind, material_flag, scene_flag,
+    NONE, SceneView, SurfacePoint, Tables, Traverse, features, lobe_kind, material_flag, scene_flag,
 };
 
-/// Most masks that one straight line may pass before it counts as blocked.
-pub const MAX_NULL_CROSSINGS: u32 = 64;
+/// Most masks that one straight line may pass before it counts as blocked: more than any scene has in a row. It only bounds
+/// the time of a line that cannot leave a place where numbers are too coarse to move it on.
+pub const MAX_NULL_CROSSINGS: u32 = 1 << 16;
+
+/// Whether some light passes straight through the surface.
+#[inline]
+pub fn has_masks(tables: &Tables<'_>, point: &SurfacePoint) -> bool {
+    tables.has(features::lobe(lobe_kind::NULL))
+        && point.material != NONE
+        && tables.materials[point.material as usize].flags & material_flag::HAS_NULL != 0
+}
 
 /// Transmittance in [0, 1] per channel along a segment, as that of [`super::connection::Connection`].
 pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb {
@@ -55,8 +64,7 @@ fn transmittance_in_steps<T: Traverse>(
         }
         let mask = surface_with::<{ detail::NORMALS }>(&view.tables, &ray, &hit);
         if !(past_emitters && mask.emitter != NONE) {
-            let material = view.tables.materials[mask.material as usize];
-            if material.flags & material_flag::HAS_NULL == 0 {
+            if !has_masks(&view.tables, &mask) {
                 return Rgb::ZERO;
             }
             remaining *= null_transmittance(&view.tables, &mask);

@@ -2,10 +2,9 @@
 
 use crate::agreement::{Algorithms, Batches, agree, compare, report, settings_of};
 use crate::matrix::{BLOCK, DIFFUSE, DOWN, WARM, lamp, room};
-use crate::scenes::{faceted_sphere, ripples, scene, sky};
+use crate::scenes::{NamedFile, faceted_sphere, ripples, scene, sky};
 use halflight::scene::build::Scene;
 use halflight_kernel::transport::settings::integrator_kind;
-use std::path::Path;
 
 /// What a case changes of the room.
 struct Case<'a> {
@@ -62,7 +61,7 @@ impl Case<'_> {
             self.lamp,
             room(self.material, self.object)
         );
-        let files: [(&str, &dyn Fn(&Path)); 3] = [
+        let files: [NamedFile<'_>; 3] = [
             ("sky.exr", &sky),
             ("ripples.exr", &ripples),
             ("sphere.obj", &faceted_sphere),

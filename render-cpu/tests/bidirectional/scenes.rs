@@ -9,8 +9,11 @@ use std::path::Path;
 /// The view that tests see.
 pub type View<'a> = SceneView<'a, CpuTraverse<'a>>;
 
+/// A file's name and what writes it.
+pub type NamedFile<'a> = (&'a str, &'a dyn Fn(&Path));
+
 /// A scene of the given XML, without the outermost element, beside the files that the functions write.
-pub fn scene(content: &str, files: &[(&str, &dyn Fn(&Path))]) -> Scene {
+pub fn scene(content: &str, files: &[NamedFile<'_>]) -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.xml");
     for (name, write) in files {

@@ -5,9 +5,10 @@ mod common;
 use common::Random;
 use common::light_scene::{CAMERA, Scene, affine, numbers, rows};
 use glam::{Affine3A, Quat, Vec2, Vec3};
-use halflight_kernel::math::filter;
+use halflight_kernel::math::{Ray, filter};
 use halflight_kernel::scene::camera::{
-    film_position, fov_axis, half_extents, ray_through, sample_ray,
+    film_position, film_position_through, fov_axis, half_extents, intersect_lens, optical_axis,
+    pdf_lens_area, pdf_perpendicular_area, pixels_per_window_pixel, ray_through, sample_ray,
 };
 use halflight_kernel::scene::{Camera, camera_kind, filter_kind};
 use proptest::prelude::*;
@@ -152,6 +153,75 @@ proptest! {
         prop_assert!(!inside || seen.importance > 0.0);
         let distance = (point - sample.ray.origin).length();
         prop_assert!((seen.distance - distance).abs() < 1e-3 * distance);
+    }
+
+    #[test]
+    fn rays_of_the_window_arrive_with_their_density(
+        camera in any_camera(), u in unit_pair(), lens in unit_pair(), t in 0.02_f32..0.5, turn in 0.0_f32..6.0,
+    ) {
+        let mut scene = Scene::new();
+        scene.camera = camera;
+        let tables = scene.tables();
+        let sample = sample_ray(&tables, [30, 20], u, lens);
+        let point = sample.ray.at(sample.ray.t_min + t * (sample.ray.t_max - sample.ray.t_min));
+        let seen = film_position(&tables, point, lens);
+        prop_assume!(seen.is_valid);
+        // Central differences of the film position along two directions across the ray; 40 by 30 pixels in the window.
+        let a = sample.ray.direction.any_orthonormal_vector();
+        let b = sample.ray.direction.cross(a);
+        let (s, c) = turn.sin_cos();
+        let (a, b) = (a * c + b * s, b * c - a * s);
+        let step = 0.02 * seen.distance;
+        let film = |d: Vec3| film_position(&tables, point + d, lens).film;
+        let da = (film(a * step) - film(a * -step)) / (2.0 * step);
+        let db = (film(b * step) - film(b * -step)) / (2.0 * step);
+        let expected = da.perp_dot(db).abs() / (40.0 * 30.0);
+        let distance = (point - sample.ray.origin).length();
+        let found = pdf_perpendicular_area(&tables, point, distance);
+        prop_assert!((found / expected - 1.0).abs() < 2e-2, "{} instead of {}", found, expected);
+        let by_importance = seen.importance * pixels_per_window_pixel(&camera);
+        prop_assert!((found / by_importance - 1.0).abs() < 1e-3, "{} and {}", found, by_importance);
+    }
+
+    #[test]
+    fn light_against_a_ray_meets_the_lens_where_the_ray_left_it(
+        camera in any_camera(), u in unit_pair(), lens in unit_pair(), t in 0.02_f32..0.5,
+    ) {
+        let mut scene = Scene::new();
+        scene.camera = camera;
+        let tables = scene.tables();
+        let sample = sample_ray(&tables, [30, 20], u, lens);
+        let distance = sample.ray.t_min + t * (sample.ray.t_max - sample.ray.t_min);
+        let point = sample.ray.at(distance);
+        let back = Ray::new(point, -sample.ray.direction);
+        let met = intersect_lens(&camera, &back);
+        if camera.kind != camera_kind::THIN_LENS {
+            prop_assert!(!met.is_hit && pdf_lens_area(&camera) == 0.0);
+            return Ok(());
+        }
+        let r = camera.aperture_radius;
+        prop_assert!((pdf_lens_area(&camera) * std::f32::consts::PI * r * r - 1.0).abs() < 1e-5);
+        prop_assert!((optical_axis(&camera).length() - 1.0).abs() < 1e-5);
+        // At the rim rounding decides.
+        let inside = (lens - 0.5).length() < 0.49;
+        prop_assert!(met.is_hit || !inside);
+        if met.is_hit {
+            prop_assert!((met.t - distance).abs() < 1e-3 * distance.max(1.0));
+            let seen = film_position_through(&tables, point, met.lens);
+            prop_assert!((seen.film - sample.film).length() < 0.05, "{} and {}", seen.film, sample.film);
+            let short = Ray { t_max: 0.9 * distance, ..back };
+            prop_assert!(!intersect_lens(&camera, &short).is_hit);
+            let away = Ray::new(point, sample.ray.direction);
+            prop_assert!(!intersect_lens(&camera, &away).is_hit);
+            // Beside the lens.
+            let side = (point - sample.ray.origin).any_orthonormal_vector() * (2.1 * r);
+            let beside = Ray::new(point + side, -sample.ray.direction);
+            let axis = optical_axis(&camera);
+            let shift = side - sample.ray.direction * (side.dot(axis) / sample.ray.direction.dot(axis));
+            if shift.length() > 2.01 * r {
+                prop_assert!(!intersect_lens(&camera, &beside).is_hit);
+            }
+        }
     }
 
     #[test]

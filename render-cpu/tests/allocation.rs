@@ -1,17 +1,23 @@
 //! Nothing inside a pixel's work allocates.
 
 use halflight::accel::{Accel, CpuTraverse};
+use halflight::film::Film;
+use halflight::film::aov::AovSet;
 use halflight::processor;
+use halflight::render::{Goal, NoObserver, RenderOptions, RunState, render};
 use halflight::scene::build::{BuildOptions, build_scene};
 use halflight::scene::xml::parse_scene;
+use halflight_kernel::path::PathVertex;
 use halflight_kernel::sampler::{AnySampler, IndependentSampler, LaneSampler, SobolSampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::simd::SimdLevel;
+use halflight_kernel::transport::bidirectional::{self, VertexStore};
 use halflight_kernel::transport::wavefront::Wavefront;
 use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// Counts the allocations of each thread by itself: those that built the tree may still be settling down.
 struct Counting;
@@ -118,4 +124,129 @@ fn no_sample_of_any_integrator_allocates() {
         }
     }
     assert!(allocations() > before, "the counter counts nothing");
+}
+
+/// Vertices of one light walk, in room that is kept.
+struct Store(Vec<PathVertex>);
+
+impl VertexStore for Store {
+    fn push(&mut self, vertex: &PathVertex) -> u32 {
+        self.0.push(*vertex);
+        self.0.len() as u32 - 1
+    }
+
+    fn get(&self, index: u32) -> PathVertex {
+        self.0[index as usize]
+    }
+}
+
+#[test]
+fn no_sample_of_two_walks_allocates() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    for name in ["cornell-box", "glass-sphere", "ring"] {
+        let parsed =
+            parse_scene(&folder.join(name).with_extension("xml"), &[], true).expect("a scene");
+        let scene = build_scene(&parsed, &BuildOptions::default()).expect("tables");
+        let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+        let tables = scene.tables.view();
+        let traverse = accel.traverse(tables);
+        let view = SceneView {
+            tables,
+            traverse: &traverse,
+        };
+        let [width, height] = tables.camera.crop_size;
+        let mut store = Store(Vec::with_capacity(4096));
+        for kind in [
+            integrator_kind::BIDIRECTIONAL,
+            integrator_kind::LIGHT_TRACING,
+        ] {
+            let mut settings = scene.settings;
+            settings.kind = kind;
+            let mut splats = 0;
+            let start = allocations();
+            for i in 0..2000 {
+                let pixel = [i * 7919 % width, i * 104_729 % height];
+                let mut light = IndependentSampler::new(1, i, 0);
+                let mut camera = IndependentSampler::new(2, i, 0);
+                let ray = transport::camera_ray(&tables, &mut camera, pixel).ray;
+                store.0.clear();
+                bidirectional::sample(
+                    &view,
+                    &settings,
+                    &mut light,
+                    &mut camera,
+                    &ray,
+                    &mut store,
+                    |contribution| {
+                        assert!(
+                            contribution.value.is_finite(),
+                            "{name}: {contribution:?} at {pixel:?}"
+                        );
+                        splats += u32::from(contribution.is_splat());
+                    },
+                );
+            }
+            assert_eq!(allocations() - start, 0, "{name}, integrator {kind}");
+            assert!(splats > 0, "{name}: no light walk is seen");
+        }
+    }
+}
+
+/// Allocations of `layers` layers of a square film, on this thread and no other.
+fn made_by_layers(side: u32, layers: u32) -> usize {
+    let text = format!(
+        r#"<scene version="3.0.0"><integrator type="bdpt"/><sensor type="perspective">
+        <transform name="to_world"><lookat origin="0, 0, 3" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="{side}"/><integer name="height" value="{side}"/></film></sensor>
+        <shape type="rectangle"><transform name="to_world"><scale value="3"/></transform><bsdf type="diffuse"/></shape>
+        <shape type="sphere"><point name="center" value="1, 1, 1"/><float name="radius" value="0.3"/>
+        <emitter type="area"/></shape></scene>"#
+    );
+    let parsed =
+        halflight::scene::xml::parse_scene_from_str(&text, Path::new("test.xml"), &[], true)
+            .expect("a scene");
+    let scene = build_scene(&parsed, &BuildOptions::default()).expect("tables");
+    let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+    let options = RenderOptions {
+        goal: Goal::Samples(layers),
+        seed: 0,
+        first_sample: 0,
+        adaptive: false,
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a thread");
+    pool.install(|| {
+        let mut film = Film::new(side, side, [0, 0], AovSet::NONE).expect("a film");
+        let mut state = RunState::default();
+        let stop = AtomicBool::new(false);
+        let start = allocations();
+        render(
+            &scene,
+            &accel,
+            &options,
+            &mut film,
+            &mut state,
+            &stop,
+            &mut NoObserver,
+        )
+        .expect("an image");
+        allocations() - start
+    })
+}
+
+#[test]
+fn splatting_allocates_by_tile_and_layer_and_not_by_sample() {
+    let per_layer = |side: u32| {
+        let (few, many) = (made_by_layers(side, 64), made_by_layers(side, 192));
+        (many - few) as f64 / 128.0
+    };
+    let (small, large) = (per_layer(4), per_layer(32));
+    // One tile each, of 16 and of 1024 samples: more splats only double the room of two lists a few times more.
+    assert!(small > 0.0, "the counter counts nothing");
+    assert!(
+        large < small + 24.0,
+        "{small} and {large} allocations per layer"
+    );
 }

@@ -237,3 +237,63 @@ fn hidden_emitters_light_but_are_not_seen() {
         lit[0]
     );
 }
+
+#[test]
+fn the_power_heuristic_is_that_of_exponent_two() {
+    use halflight_kernel::transport::connection::power_heuristic;
+    for (a, b, expected) in [
+        (1.0, 1.0, 0.5),
+        (3.0, 1.0, 0.9),
+        (1.0, 2.0, 0.2),
+        (0.0, 1.0, 0.0),
+    ] {
+        let weight = power_heuristic(a, b);
+        assert!((weight - expected).abs() < 1e-6, "{a}, {b}: {weight}");
+    }
+}
+
+#[test]
+fn roulette_of_paths_undoes_the_scaling_of_refracted_radiance() {
+    use glam::{Vec2, Vec3};
+    use halflight_kernel::bsdf::{BsdfSample, event};
+    use halflight_kernel::math::Ray;
+    use halflight_kernel::sampler::Sampler;
+    use halflight_kernel::scene::SurfacePoint;
+    use halflight_kernel::transport::IntegratorSettings;
+    use halflight_kernel::transport::path::{Path, step};
+    struct Always(f32);
+    impl Sampler for Always {
+        fn next_1d(&mut self) -> f32 {
+            self.0
+        }
+        fn next_2d(&mut self) -> Vec2 {
+            Vec2::splat(self.0)
+        }
+    }
+    // Refracted into an index of 2 radiance is divided by 4: the throughput 0.08 survives as 0.32 would.
+    let sample = BsdfSample {
+        wo: -Vec3::Z,
+        weight: Vec3::splat(0.25),
+        pdf: 1.0,
+        event: event::DELTA,
+        eta: 2.0,
+    };
+    let settings = IntegratorSettings {
+        rr_depth: 1,
+        ..IntegratorSettings::PATH
+    };
+    for (number, next) in [(0.31, step::TRACE), (0.33, step::END)] {
+        let mut path = Path::new(&Ray::new(Vec3::Z, -Vec3::Z));
+        path.throughput = Vec3::splat(0.32);
+        let mut sampler = Always(number);
+        let found = path.scatter_along(&settings, &mut sampler, &SurfacePoint::ZERO, &sample);
+        assert_eq!(found, next, "{number}");
+        if found == step::TRACE {
+            assert!(
+                (path.throughput.x - 0.25).abs() < 1e-5,
+                "{}",
+                path.throughput
+            );
+        }
+    }
+}

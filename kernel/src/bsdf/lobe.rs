@@ -323,16 +323,17 @@ struct Way {
     valid: bool,
 }
 
-/// |cos| of the known direction over that of the sampled one, each with the lobe's own normal below its coats and times the
-/// coats' Jacobian: f |cos wo| times this is f |cos wi|.
-pub fn cosine_ratio(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+/// The value times the cosine for exchanged directions over that for these, in the mode of radiance and for one frame of the
+/// lobe: the ratio of |cos| of the known direction and of the sampled one, each with the lobe's own normal below its coats
+/// and times the coats' Jacobian, and that of the terminator's shadowing, which asks for the direction of the light.
+pub fn exchange_ratio(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     let flip = is_flipped(lobe, wi);
     let (i, o) = (inside(lobe, data, flip, wi), inside(lobe, data, flip, wo));
-    let cos_o = float::abs(o.w.z) * o.jacobian;
-    if !i.valid || !o.valid || !(cos_o > 0.0) {
+    let from = float::abs(o.w.z) * o.jacobian * shadowing(lobe, &i, &o);
+    if !i.valid || !o.valid || !(from > 0.0) {
         return 0.0;
     }
-    float::abs(i.w.z) * i.jacobian / cos_o
+    float::abs(i.w.z) * i.jacobian * shadowing(lobe, &o, &i) / from
 }
 
 /// Whether the lobe sees directions mirrored to the front.

@@ -13,6 +13,9 @@ use crate::math::{Rgb, float};
 use crate::scene::{SurfacePoint, Tables, lobe_flag, lobe_kind};
 use glam::Vec3;
 
+/// Largest squared distance of normals that differ by rounding only.
+const SAME_NORMAL: f32 = 1e-8;
+
 /// Value and densities between two directions.
 #[derive(Clone, Copy, Debug)]
 pub struct BothWays {
@@ -139,6 +142,30 @@ impl Bsdf {
             sum += selection;
         }
         if sum > 0.0 { pdf / sum } else { 0.0 }
+    }
+
+    /// Whether the lobe `index` has the frame that it would have, had the material been looked up for wo: normals of maps are
+    /// mirrored towards the known direction where that does not see them.
+    pub fn has_same_frame(
+        &self,
+        tables: &Tables<'_>,
+        point: &SurfacePoint,
+        index: u32,
+        wo: Vec3,
+    ) -> bool {
+        let lobe = self.lobe_at(index);
+        if !lobe.has_frame {
+            return true;
+        }
+        let reverse = Bsdf::at(tables, point, wo, super::mode::RADIANCE);
+        for i in 0..reverse.lobe_count() {
+            let other = reverse.lobe_at(i);
+            let is_same_kind = other.kind == lobe.kind && other.has_frame;
+            if is_same_kind && (other.frame.n - lobe.frame.n).length_squared() < SAME_NORMAL {
+                return true;
+            }
+        }
+        false
     }
 
     /// Whether the lobes that were looked up for wi are those that would be for wo.

@@ -320,7 +320,7 @@ impl Connector<'_> {
         self.strategies.heuristic.of(pdf_area / lens)
     }
 
-    /// Light of a walk whose ray, up to `t_max`, meets the lens (t = 0).
+    /// Light of a walk whose ray, which meets a surface at `t_max`, leads to the lens (t = 0).
     pub fn lens_met(&self, walk: &Walk, t_max: f32) -> Contribution {
         let tables = self.tables;
         let lens_pdf = self.strategies.pdf_lens(tables, &self.rules);
@@ -331,14 +331,16 @@ impl Connector<'_> {
         if walk.depth == 0 && kind != emitter_kind::AREA || walk.depth >= self.rules.max_depth {
             return Contribution::NONE;
         }
-        let mut ray = walk.ray;
-        ray.t_max = t_max;
+        let ray = walk.ray;
         let met = camera::intersect_lens(&tables.camera, &ray);
         if !met.is_hit {
             return Contribution::NONE;
         }
         let seen = camera::film_position_through(tables, walk.position, met.lens);
-        if !seen.is_valid {
+        // What stands before the near clipping plane hides nothing: the light counts on the stretch that passes it.
+        let travelled = (ray.origin - walk.position).dot(ray.direction);
+        let passes = travelled < seen.unclipped && seen.unclipped <= travelled + t_max;
+        if !seen.is_valid || !passes {
             return Contribution::NONE;
         }
         let h = self.strategies.heuristic;

@@ -5,7 +5,8 @@
 //! (refraction divides it by eta^2), light walks flux; a smooth light walk's throughput is found by evaluating the function
 //! that a camera walk would have evaluated (see [`super::evaluation`]), a discrete one's by the sampled weight, times eta^2,
 //! which undoes the scaling of radiance, and the cosine ratio |wi.n| |wo.n_g| / (|wi.n_g| |wo.n|) with n the lobe's own
-//! normal (Veach 1997, section 5.3.2).
+//! normal (Veach 1997, section 5.3.2). A normal or bump map's frame that is mirrored towards the known direction may be
+//! another seen from the other side of a discrete event: then walks pass it one way only, camera walks without competitors.
 //!
 //! Densities at the ends: the first surface point of a camera walk has the density of one ray per pixel of the window, evenly
 //! over its area, whatever the filter; that of a light walk comes from [`crate::scene::emitter::emission`], and the strategy
@@ -14,9 +15,9 @@
 use super::evaluation::Interaction;
 use super::rules::{MAX_SURVIVAL, PathRules, step};
 use super::strategies::Strategies;
-use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
+use super::visibility::{MAX_NULL_CROSSINGS, has_masks, pass_through};
 use super::weight::{Heuristic, PartialWeights};
-use crate::bsdf::{BsdfSample, event, lobe, mode};
+use crate::bsdf::{BsdfSample, event, lobe, mode, null_transmittance};
 use crate::math::{Ray, Rgb, float, vec3};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission;
@@ -266,6 +267,21 @@ impl Walk {
         step::TRACE
     }
 
+    /// On the last edge: goes straight on with what the surface's masks let pass, because they do not count as vertices. Says
+    /// what is next, one of [`step`].
+    #[inline]
+    pub fn pass_masks(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
+        if !has_masks(tables, point) {
+            return step::END;
+        }
+        self.throughput *= null_transmittance(tables, point);
+        if self.throughput.max_element() > 0.0 {
+            self.pass(point)
+        } else {
+            step::END
+        }
+    }
+
     /// Leaves the surface along a direction that its material samples; says whether the walk goes on, one of [`step`].
     pub fn scatter<S: Sampler>(
         &mut self,
@@ -297,7 +313,16 @@ impl Walk {
         }
         let cosine = float::abs(point.geometric_normal.dot(direction));
         let factor = if sample.event & event::DELTA != 0 {
-            self.weights = self.arrived.scatter_delta(h, cosine);
+            let is_reversible = at.bsdf.has_same_frame(tables, point, chosen, sample.wo);
+            self.weights = if is_reversible {
+                self.arrived.scatter_delta(h, cosine)
+            } else {
+                // No walk comes the other way.
+                PartialWeights::NONE
+            };
+            if self.mode == mode::IMPORTANCE && !is_reversible {
+                return step::END;
+            }
             sample.weight * self.delta_factor(tables, at, &sample, chosen, direction)
         } else {
             let is_light_walk = self.mode == mode::IMPORTANCE;
@@ -360,7 +385,7 @@ impl Walk {
             return 1.0;
         }
         let lobe = at.bsdf.lobe(chosen);
-        let ratio = lobe::cosine_ratio(&lobe, tables.data, at.wi, sample.wo);
+        let ratio = lobe::exchange_ratio(&lobe, tables.data, at.wi, sample.wo);
         ratio * at.adjoint_ratio(direction) * sample.eta * sample.eta
     }
 }

@@ -119,10 +119,14 @@ impl<'a> Bidirectional<'a> {
             add(met);
         }
         let edges = walk.depth + 1;
-        if !hit.is_hit() || !connector.allows_edges(edges.saturating_add(1)) {
+        if !hit.is_hit() {
             return step::END;
         }
         let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
+        if !connector.allows_edges(edges.saturating_add(1)) {
+            // Only a lens behind a mask is left to meet.
+            return walk.pass_masks(tables, &point);
+        }
         let direction = walk.ray.direction;
         let wi = point.frame.to_local(-direction);
         if !connector.rules.allows(&point, -direction, wi.z) {
@@ -177,7 +181,7 @@ impl<'a> Bidirectional<'a> {
         walk.arrive(tables, &connector.rules, &connector.strategies, &point);
         let emitted = connector.emitted(walk, &point);
         if !connector.allows_edges(walk.depth.saturating_add(2)) {
-            return (emitted, step::END);
+            return (emitted, walk.pass_masks(tables, &point));
         }
         let direction = walk.ray.direction;
         let wi = point.frame.to_local(-direction);

@@ -1,5 +1,10 @@
 //! Bidirectional path tracing and the path layer on scenes from text.
 
+mod agreement;
+mod features;
+mod matrix;
+mod reverse;
 mod scenes;
+mod single_strategies;
 mod strategy_films;
 mod weights;

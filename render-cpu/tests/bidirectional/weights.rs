@@ -269,7 +269,7 @@ fn weights_are_those_of_the_densities() {
     ];
     for material in materials {
         for is_power in [false, true] {
-            let scene = scene(&format!("{PINHOLE}{LAMP}{}", room(material)));
+            let scene = scene(&format!("{PINHOLE}{LAMP}{}", room(material)), &[]);
             let checked = check(&scene, 2000, is_power);
             assert!(checked > 5000, "{checked} weights");
         }

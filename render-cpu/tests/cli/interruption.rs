@@ -17,9 +17,9 @@ fn wait_for(path: &std::path::Path) {
     }
 }
 
-/// Kills a long run after its first checkpoint, continues it to a few samples beyond, and compares with an
+/// Kills a long run some time after its first checkpoint, continues it to a few samples beyond, and compares with an
 /// uninterrupted run of as many.
-fn killed_and_resumed(signal: &str, extra: &[&str]) {
+fn killed_and_resumed(signal: &str, delay: Duration, extra: &[&str]) {
     let place = Place::with_scene();
     let checkpoint = place.path("run.checkpoint");
     let mut arguments = vec![
@@ -43,6 +43,7 @@ fn killed_and_resumed(signal: &str, extra: &[&str]) {
         .spawn()
         .expect("the command runs");
     wait_for(&checkpoint);
+    std::thread::sleep(delay);
     let killed = std::process::Command::new("kill")
         .args([signal, &child.id().to_string()])
         .status()
@@ -92,17 +93,28 @@ fn killed_and_resumed(signal: &str, extra: &[&str]) {
 
 #[test]
 fn a_killed_run_resumes_to_the_same_bits() {
-    killed_and_resumed("-KILL", &[]);
+    killed_and_resumed("-KILL", Duration::ZERO, &[]);
 }
 
 #[test]
 fn an_interrupted_run_resumes_to_the_same_bits() {
-    killed_and_resumed("-INT", &["--sampler", "sobol"]);
+    killed_and_resumed("-INT", Duration::ZERO, &["--sampler", "sobol"]);
 }
 
 #[test]
 fn an_adaptive_run_resumes_to_the_same_bits() {
-    killed_and_resumed("-KILL", &["--adaptive"]);
+    killed_and_resumed("-KILL", Duration::ZERO, &["--adaptive"]);
+}
+
+#[test]
+fn killed_runs_that_splat_resume_to_the_same_bits() {
+    // At any moment: between checkpoints, and while one is written.
+    let delay = |i: u64| Duration::from_micros(i * 48_271 % 250_000);
+    for i in 0..4 {
+        killed_and_resumed("-KILL", delay(i), &["--integrator", "bdpt"]);
+    }
+    let sobol = ["--integrator", "ptracer", "--sampler", "sobol"];
+    killed_and_resumed("-KILL", delay(5), &sobol);
 }
 
 #[test]

@@ -54,19 +54,30 @@ fn an_image_has_its_layers_metadata_and_a_picture() {
 #[test]
 fn an_image_does_not_depend_on_threads() {
     let place = Place::with_scene();
-    for (threads, name) in [("1", "one.exr"), ("3", "three.exr")] {
-        place.succeed(&[
-            "render",
-            "scene.xml",
-            "-o",
-            name,
-            "--threads",
-            threads,
-            "--no-png",
-        ]);
+    for integrator in ["path", "bdpt", "ptracer"] {
+        // Wider than a tile of either driver.
+        for (threads, name) in [("1", "one.exr"), ("2", "two.exr"), ("7", "seven.exr")] {
+            place.succeed(&[
+                "render",
+                "scene.xml",
+                "--integrator",
+                integrator,
+                "--size",
+                "70x40",
+                "--aov",
+                "variance,normal",
+                "-o",
+                name,
+                "--threads",
+                threads,
+                "--no-png",
+            ]);
+        }
+        let one = place.channels("one.exr");
+        assert_eq!(one, place.channels("two.exr"), "{integrator}");
+        assert_eq!(one, place.channels("seven.exr"), "{integrator}");
+        assert!(!place.path("one.png").exists());
     }
-    assert_eq!(place.channels("one.exr"), place.channels("three.exr"));
-    assert!(!place.path("one.png").exists());
 }
 
 #[test]
@@ -99,11 +110,19 @@ fn size_width_and_crop_choose_pixels() {
 
 #[test]
 fn parts_of_the_samples_merge_to_the_whole() {
+    for integrator in ["path", "bdpt", "ptracer"] {
+        parts_merge_to_the_whole(integrator);
+    }
+}
+
+fn parts_merge_to_the_whole(integrator: &str) {
     let place = Place::with_scene();
     let render = |samples: &str, out: &str| {
         place.succeed(&[
             "render",
             "scene.xml",
+            "--integrator",
+            integrator,
             "-o",
             out,
             "--samples",

@@ -1,0 +1,532 @@
+//! Materials, rules, filters and settings, one at a time, before a lamp that rays meet.
+
+use crate::agreement::{Algorithms, Batches, agree, compare, report, settings_of};
+use crate::matrix::{BLOCK, DIFFUSE, DOWN, WARM, lamp, room};
+use crate::scenes::{NamedFile, faceted_sphere, ripples, scene, sky};
+use halflight::scene::build::Scene;
+use halflight_kernel::transport::settings::integrator_kind;
+
+/// What a case changes of the room.
+struct Case<'a> {
+    name: &'a str,
+    integrator: &'a str,
+    sensor: &'a str,
+    film: &'a str,
+    lamp: String,
+    material: &'a str,
+    object: &'a str,
+    algorithms: Algorithms,
+    samples: u32,
+}
+
+impl Case<'_> {
+    fn new(name: &str) -> Case<'_> {
+        Case {
+            name,
+            integrator: "",
+            sensor: "",
+            film: r#"<rfilter type="box"/>"#,
+            lamp: lamp(
+                "rectangle",
+                &format!(r#"<scale x="0.4" y="0.3"/>{DOWN}"#),
+                WARM,
+            ),
+            material: DIFFUSE,
+            object: BLOCK,
+            algorithms: Algorithms::All,
+            samples: 8,
+        }
+    }
+
+    fn scene(&self) -> Scene {
+        let kind = if self.sensor.contains("aperture_radius") {
+            "thinlens"
+        } else {
+            "perspective"
+        };
+        let depth = if self.integrator.contains("max_depth") {
+            ""
+        } else {
+            r#"<integer name="max_depth" value="5"/>"#
+        };
+        let text = format!(
+            r#"<integrator type="path">{depth}<integer name="rr_depth" value="4"/>{}</integrator>
+            <sensor type="{kind}"><float name="fov" value="45"/>{}
+            <transform name="to_world"><lookat origin="0.3, 1.3, 3.2" target="-0.1, 0.6, -0.3" up="0, 1, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="12"/><integer name="height" value="8"/>{}</film>
+            </sensor>{}{}"#,
+            self.integrator,
+            self.sensor,
+            self.film,
+            self.lamp,
+            room(self.material, self.object)
+        );
+        let files: [NamedFile<'_>; 3] = [
+            ("sky.exr", &sky),
+            ("ripples.exr", &ripples),
+            ("sphere.obj", &faceted_sphere),
+        ];
+        scene(&text, &files)
+    }
+
+    fn agree(&self) -> Vec<Result<(), String>> {
+        agree(self.name, &mut self.scene(), self.algorithms, self.samples)
+    }
+}
+
+fn check<'a>(cases: impl IntoIterator<Item = Case<'a>>) {
+    report(cases.into_iter().flat_map(|case| case.agree()));
+}
+
+/// A sphere in the middle of the room.
+macro_rules! ball {
+    ($material:literal) => {
+        concat!(
+            r#"<shape type="sphere"><point name="center" value="-0.2, 0.55, -0.3"/><float name="radius" value="0.4"/>"#,
+            $material,
+            "</shape>"
+        )
+    };
+}
+
+/// A sheet under the lamp, out of sight of most pixels.
+macro_rules! sheet {
+    ($material:literal) => {
+        concat!(
+            r#"<shape type="rectangle"><transform name="to_world"><scale value="0.6"/><rotate x="1" angle="90"/>
+            <translate x="0.5" y="1.1" z="-0.8"/></transform>"#,
+            $material,
+            "</shape>"
+        )
+    };
+}
+
+#[test]
+fn materials() {
+    let seen = Algorithms::PathAndBidirectional;
+    check([
+        Case {
+            object: ball!(r#"<bsdf type="dielectric"/>"#),
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("glass ball")
+        },
+        Case {
+            object: ball!(
+                r#"<bsdf type="roughdielectric"><float name="alpha" value="0.3"/></bsdf>"#
+            ),
+            samples: 24,
+            ..Case::new("rough glass ball")
+        },
+        Case {
+            object: sheet!(
+                r#"<bsdf type="roughdielectric"><float name="alpha" value="0.3"/><float name="int_ior" value="1.7"/></bsdf>"#
+            ),
+            samples: 24,
+            ..Case::new("one rough interface")
+        },
+        Case {
+            object: sheet!(r#"<bsdf type="dielectric"><float name="int_ior" value="1.5"/></bsdf>"#),
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("one smooth interface")
+        },
+        Case {
+            object: sheet!(r#"<bsdf type="thindielectric"/>"#),
+            algorithms: seen,
+            samples: 16,
+            ..Case::new("thin glass")
+        },
+        Case {
+            material: r#"<bsdf type="roughplastic"><float name="alpha" value="0.2"/><rgb name="diffuse_reflectance" value="0.6, 0.4, 0.2"/></bsdf>"#,
+            samples: 16,
+            ..Case::new("rough plastic")
+        },
+        Case {
+            material: r#"<bsdf type="plastic"><rgb name="diffuse_reflectance" value="0.6, 0.4, 0.2"/></bsdf>"#,
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("plastic")
+        },
+        Case {
+            material: r#"<bsdf type="blendbsdf"><float name="weight" value="0.4"/><bsdf type="diffuse"/>
+                <bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf></bsdf>"#,
+            samples: 16,
+            ..Case::new("blend")
+        },
+        Case {
+            object: ball!(
+                r#"<bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="0.3, 0.6, 0.9"/></emitter>"#
+            ),
+            ..Case::new("emitter that scatters")
+        },
+    ]);
+}
+
+#[test]
+fn shading_normals() {
+    let bumps = r#"<bsdf type="bumpmap"><texture type="bitmap"><string name="filename" value="ripples.exr"/>
+        <boolean name="raw" value="true"/></texture><float name="scale" value="0.4"/><bsdf type="diffuse">
+        <rgb name="reflectance" value="0.7, 0.5, 0.3"/></bsdf></bsdf>"#;
+    let normals = r#"<bsdf type="normalmap"><texture name="normalmap" type="bitmap">
+        <string name="filename" value="ripples.exr"/><boolean name="raw" value="true"/></texture><bsdf type="diffuse">
+        <rgb name="reflectance" value="0.7, 0.5, 0.3"/></bsdf></bsdf>"#;
+    let rough = r#"<bsdf type="normalmap"><texture name="normalmap" type="bitmap">
+        <string name="filename" value="ripples.exr"/><boolean name="raw" value="true"/></texture>
+        <bsdf type="roughconductor"><float name="alpha" value="0.4"/></bsdf></bsdf>"#;
+    let mirror = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.5"/>
+        <rotate y="1" angle="60"/><translate x="-1.2" y="0.6" z="-0.4"/></transform><bsdf type="normalmap">
+        <texture name="normalmap" type="bitmap"><string name="filename" value="ripples.exr"/>
+        <boolean name="raw" value="true"/></texture><bsdf type="conductor"/></bsdf></shape>"#;
+    let glass = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.6"/><rotate x="1" angle="90"/>
+        <translate x="0.5" y="1.1" z="-0.8"/></transform><bsdf type="bumpmap"><texture type="bitmap">
+        <string name="filename" value="ripples.exr"/><boolean name="raw" value="true"/></texture>
+        <float name="scale" value="0.3"/><bsdf type="dielectric"/></bsdf></shape>"#;
+    let facets = r#"<shape type="obj"><string name="filename" value="sphere.obj"/><transform name="to_world">
+        <scale value="0.5"/><translate x="-0.2" y="0.6" z="-0.3"/></transform><ref id="wall"/></shape>"#;
+    let mirror_facets = r#"<shape type="obj"><string name="filename" value="sphere.obj"/><transform name="to_world">
+        <scale value="0.5"/><translate x="-0.2" y="0.6" z="-0.3"/></transform><bsdf type="conductor"/></shape>"#;
+    let strict = r#"<boolean name="strict_normals" value="true"/>"#;
+    let seen = Algorithms::PathAndBidirectional;
+    // Light walks alone do not take directions in which a map's normal is mirrored towards the viewer but not towards the
+    // light: ptracer loses 1 to 3 % on these maps, which are steep.
+    check([
+        Case {
+            material: bumps,
+            algorithms: seen,
+            ..Case::new("bump map")
+        },
+        Case {
+            material: normals,
+            algorithms: seen,
+            ..Case::new("normal map")
+        },
+        Case {
+            material: rough,
+            samples: 16,
+            algorithms: seen,
+            ..Case::new("normal map on a rough conductor")
+        },
+        Case {
+            object: mirror,
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("normal map on a mirror")
+        },
+        Case {
+            object: glass,
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("bump map on glass")
+        },
+        Case {
+            object: facets,
+            ..Case::new("interpolated normals")
+        },
+        Case {
+            object: mirror_facets,
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("interpolated normals of a mirror")
+        },
+        Case {
+            material: bumps,
+            integrator: strict,
+            algorithms: seen,
+            ..Case::new("bump map, strict normals")
+        },
+        Case {
+            material: normals,
+            integrator: strict,
+            algorithms: seen,
+            ..Case::new("normal map, strict normals")
+        },
+        Case {
+            object: facets,
+            integrator: strict,
+            ..Case::new("interpolated normals, strict normals")
+        },
+    ]);
+}
+
+#[test]
+fn masks_and_hidden_emitters() {
+    let leaf = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.6"/><rotate x="1" angle="80"/>
+        <translate x="0.4" y="1" z="-0.7"/></transform><bsdf type="mask"><texture name="opacity" type="bitmap">
+        <string name="filename" value="ripples.exr"/><boolean name="raw" value="true"/></texture>
+        <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf></shape>"#;
+    let gauze = r#"<shape type="cube"><transform name="to_world"><scale value="0.3"/>
+        <translate x="-0.2" y="0.5" z="0.3"/></transform><bsdf type="mask"><float name="opacity" value="0.4"/>
+        <bsdf type="twosided"><bsdf type="roughconductor"><float name="alpha" value="0.4"/></bsdf></bsdf></bsdf></shape>"#;
+    let hidden = r#"<boolean name="hide_emitters" value="true"/>"#;
+    let ball = ball!(
+        r#"<bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="0.3, 0.6, 0.9"/></emitter>"#
+    );
+    let wide =
+        r#"<float name="aperture_radius" value="0.5"/><float name="focus_distance" value="3"/>"#;
+    check([
+        Case {
+            object: leaf,
+            ..Case::new("leaf")
+        },
+        Case {
+            object: gauze,
+            ..Case::new("gauze")
+        },
+        Case {
+            object: gauze,
+            sensor: wide,
+            ..Case::new("gauze before a wide lens")
+        },
+        Case {
+            object: ball,
+            integrator: hidden,
+            ..Case::new("hidden emitters")
+        },
+        Case {
+            object: ball,
+            integrator: hidden,
+            sensor: wide,
+            ..Case::new("hidden emitters before a wide lens")
+        },
+    ]);
+}
+
+#[test]
+fn depths() {
+    let depths: Vec<String> = (1..=6)
+        .map(|depth| format!(r#"<integer name="max_depth" value="{depth}"/>"#))
+        .collect();
+    let ball = ball!(
+        r#"<bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="0.3, 0.6, 0.9"/></emitter>"#
+    );
+    let names: Vec<String> = (1..=6)
+        .map(|depth| format!("at most {depth} edges"))
+        .collect();
+    check(depths.iter().zip(&names).map(|(depth, name)| Case {
+        integrator: depth,
+        object: ball,
+        ..Case::new(name)
+    }));
+}
+
+#[test]
+fn films() {
+    let crop = r#"<integer name="crop_width" value="7"/><integer name="crop_height" value="5"/>
+        <integer name="crop_offset_x" value="4"/><integer name="crop_offset_y" value="2"/>"#;
+    let filter = |kind: &str| format!(r#"<rfilter type="{kind}"/>"#);
+    let kinds = ["box", "tent", "gaussian", "mitchell", "lanczos"];
+    let whole = kinds.map(filter);
+    let cropped = kinds.map(|kind| format!("{crop}{}", filter(kind)));
+    let cases = kinds.iter().zip(&whole).chain(kinds.iter().zip(&cropped));
+    check(cases.map(|(kind, film)| Case {
+        film,
+        samples: 12,
+        ..Case::new(kind)
+    }));
+}
+
+#[test]
+fn clipping_planes_and_wide_lenses() {
+    // The gauze of a curtain stands before the near clipping plane and is not seen, nor does it hide anything.
+    let curtain = concat!(
+        r#"<shape type="rectangle"><transform name="to_world"><scale value="0.3"/><translate x="0.3" y="1.2" z="2.2"/></transform>
+        <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>"#,
+        r#"<shape type="rectangle"><transform name="to_world"><scale value="0.2"/><translate x="0" y="1" z="1.9"/></transform>
+        <bsdf type="mask"><float name="opacity" value="0.5"/><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf></shape>"#,
+    );
+    let clipped = r#"<float name="near_clip" value="1.6"/>"#;
+    let wide =
+        r#"<float name="aperture_radius" value="0.9"/><float name="focus_distance" value="2"/>"#;
+    let both = r#"<float name="near_clip" value="1.6"/><float name="aperture_radius" value="0.9"/><float name="focus_distance" value="2"/>"#;
+    let mirror = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.7"/>
+        <translate x="-0.4" y="0.8" z="-1.2"/></transform><bsdf type="conductor"/></shape>"#;
+    let seen = Algorithms::PathAndBidirectional;
+    check([
+        Case {
+            object: curtain,
+            sensor: clipped,
+            ..Case::new("near clipping plane")
+        },
+        Case {
+            object: curtain,
+            sensor: both,
+            ..Case::new("near clipping plane of a wide lens")
+        },
+        Case {
+            sensor: wide,
+            ..Case::new("wide lens")
+        },
+        Case {
+            object: mirror,
+            sensor: wide,
+            algorithms: seen,
+            samples: 16,
+            ..Case::new("mirror before a wide lens")
+        },
+    ]);
+}
+
+#[test]
+fn skies_through_glass() {
+    let sky = r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#;
+    let sun = r#"<emitter type="directional"><vector name="direction" value="-0.6, -1, 0.1"/>
+        <rgb name="irradiance" value="2, 3, 1"/></emitter>"#;
+    let constant = r#"<emitter type="constant"/>"#;
+    let glass = ball!(r#"<bsdf type="dielectric"/>"#);
+    let rough = ball!(r#"<bsdf type="roughdielectric"><float name="alpha" value="0.3"/></bsdf>"#);
+    let seen = Algorithms::PathAndBidirectional;
+    check([
+        Case {
+            lamp: sky.into(),
+            object: glass,
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("sky through glass")
+        },
+        Case {
+            lamp: constant.into(),
+            object: glass,
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("constant sky through glass")
+        },
+        Case {
+            lamp: sky.into(),
+            object: rough,
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("sky through rough glass")
+        },
+        Case {
+            lamp: sun.into(),
+            object: rough,
+            samples: 24,
+            ..Case::new("sun through rough glass")
+        },
+    ]);
+}
+
+#[test]
+fn settings_change_nothing_but_noise() {
+    let wide =
+        r#"<float name="aperture_radius" value="0.6"/><float name="focus_distance" value="3"/>"#;
+    let ball = ball!(r#"<bsdf type="roughconductor"><float name="alpha" value="0.2"/></bsdf>"#);
+    let lamps = [
+        Case::new("").lamp,
+        lamp("sphere", r#"<scale value="0.2"/>"#, WARM),
+        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#.into(),
+        r#"<emitter type="point"><point name="position" value="0.6, 1.5, -0.9"/></emitter>"#.into(),
+    ];
+    let mut results = Vec::new();
+    for (i, lamp) in lamps.iter().enumerate() {
+        for sensor in ["", wide] {
+            let case = Case {
+                lamp: lamp.clone(),
+                sensor,
+                object: ball,
+                ..Case::new("settings")
+            };
+            let mut scene = case.scene();
+            let path = settings_of(&scene, integrator_kind::PATH);
+            let reference = Batches::render("reference", &mut scene, path, 32);
+            for switches in 0..8 {
+                let mut settings = settings_of(&scene, integrator_kind::BIDIRECTIONAL);
+                settings.bidirectional.sample_direct = switches & 1;
+                settings.bidirectional.light_image = switches >> 1 & 1;
+                settings.bidirectional.power_heuristic = switches >> 2;
+                let what = format!("lamp {i}, sensor {sensor}, switches {switches:b}");
+                let image = Batches::render(&what, &mut scene, settings, 8);
+                results.push(compare(&what, &image, &reference));
+            }
+        }
+    }
+    report(results);
+}
+
+/// A black sheet above a floor that lets half of the light pass, under a sky or a lamp.
+fn half_lit(lamp: &str, sensor: &str) -> Scene {
+    let text = format!(
+        r#"<integrator type="path"><integer name="max_depth" value="2"/></integrator>
+        <sensor type="thinlens"><float name="fov" value="30"/>{sensor}<float name="focus_distance" value="1"/>
+        <transform name="to_world"><lookat origin="0, 0.9, 0.5" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/><rfilter type="box"/></film>
+        </sensor>{lamp}
+        <shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/></transform>
+        <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
+        <shape type="rectangle"><transform name="to_world"><scale value="300"/><rotate x="1" angle="-90"/>
+        <translate y="1.5"/></transform><bsdf type="mask"><float name="opacity" value="0.5"/>
+        <bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf></bsdf></shape>
+        <shape type="rectangle"><transform name="to_world"><scale value="300"/><rotate x="1" angle="-90"/>
+        <translate y="0.1"/></transform><bsdf type="mask"><float name="opacity" value="0"/>
+        <bsdf type="diffuse"/></bsdf></shape>"#
+    );
+    scene(&text, &[])
+}
+
+#[test]
+fn light_behind_masks_on_the_last_edge_counts_once() {
+    let sky = r#"<emitter type="constant"/>"#;
+    let panel = r#"<shape type="rectangle"><transform name="to_world"><scale value="2"/><rotate x="1" angle="90"/>
+        <translate y="2"/></transform><emitter type="area"/></shape>"#;
+    let mut results = Vec::new();
+    for (name, lamp) in [("sky", sky), ("panel", panel)] {
+        for (aperture, settings) in [(1e-3, 1), (0.3, 1), (0.3, 0)] {
+            let sensor = format!(r#"<float name="aperture_radius" value="{aperture}"/>"#);
+            let mut scene = half_lit(lamp, &sensor);
+            let direct = settings_of(&scene, integrator_kind::DIRECT);
+            let reference = Batches::render(name, &mut scene, direct, 64);
+            let mut both = settings_of(&scene, integrator_kind::BIDIRECTIONAL);
+            both.bidirectional.sample_direct = settings;
+            let what = format!("{name}, aperture {aperture}, sampled directly {settings}");
+            let image = Batches::render(&what, &mut scene, both, 64);
+            assert!(
+                image.relative_error() < 0.01,
+                "{what}: {}",
+                image.relative_error()
+            );
+            if name == "sky" {
+                let mean = image.mean()[0];
+                assert!(
+                    (mean - 0.25).abs() < 0.005,
+                    "{what}: {mean} instead of 0.25"
+                );
+            }
+            results.push(compare(&what, &image, &reference));
+        }
+    }
+    report(results);
+}
+
+#[test]
+fn any_number_of_masks_may_stand_in_a_row() {
+    for count in [63, 64, 65, 100] {
+        let sheets: String = (0..count)
+            .map(|i| {
+                format!(
+                    r#"<shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="{}"/></transform>
+                    <bsdf type="mask"><float name="opacity" value="0"/><bsdf type="diffuse"/></bsdf></shape>"#,
+                    -0.01 * f64::from(i)
+                )
+            })
+            .collect();
+        let text = format!(
+            r#"<integrator type="path"/><sensor type="perspective"><float name="fov" value="10"/>
+            <transform name="to_world"><lookat origin="0, 0, 3" target="0, 0, 0" up="0, 1, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
+            {sheets}<shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="-3"/></transform>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
+            <emitter type="directional"><vector name="direction" value="0, 0, -1"/>
+            <rgb name="irradiance" value="3.14159265"/></emitter>"#
+        );
+        let mut scene = scene(&text, &[]);
+        let both = settings_of(&scene, integrator_kind::BIDIRECTIONAL);
+        let image = Batches::render("sheets", &mut scene, both, 16);
+        let (mean, error) = (image.mean()[0], image.relative_error());
+        assert!(
+            (mean - 0.5).abs() < 6.0 * error * mean + 1e-4,
+            "{count} sheets: {mean} +- {:.1} %",
+            100.0 * error
+        );
+    }
+}

@@ -321,7 +321,7 @@ fn read_strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> R
                 }
                 strip.push(index as u32);
                 if let [.., a, b, c] = strip[..] {
-                    let is_odd = strip.len() % 2 == 0;
+                    let is_odd = strip.len().is_multiple_of(2);
                     // Two equal indices turn to another part of the surface; they are no face.
                     if a != b && b != c && c != a {
                         mesh.triangles

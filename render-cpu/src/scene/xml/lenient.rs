@@ -73,8 +73,8 @@ impl<'a> Repairer<'a> {
         let rest = self.rest();
         if rest.starts_with('&') {
             self.ampersand();
-        } else if rest.starts_with("<!--") {
-            match rest[4..].find("-->") {
+        } else if let Some(comment) = rest.strip_prefix("<!--") {
+            match comment.find("-->") {
                 Some(end) => self.blank(4 + end + 3),
                 None => self.at = self.text.len(),
             }

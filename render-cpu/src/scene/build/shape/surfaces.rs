@@ -10,14 +10,14 @@ pub(super) fn only(object: &Object) -> Result<Option<Arc<Object>>, SceneError> {
     Ok(object.single_child_of(ObjectKind::Bsdf)?.cloned())
 }
 
+/// A part of a mesh and its BSDF.
+pub(super) type Part = (Mesh, Option<Arc<Object>>);
+
 /// The parts of a mesh with their BSDFs.
 ///
 /// In Mitsuba 0.6 the name of a BSDF within an OBJ shape is that of a material in the file (`usemtl`); one without a name
 /// is for all others. A single BSDF is for the whole mesh unless it names a material of a file before version 2.
-pub(super) fn parts(
-    object: &Object,
-    mesh: Mesh,
-) -> Result<Vec<(Mesh, Option<Arc<Object>>)>, SceneError> {
+pub(super) fn parts(object: &Object, mesh: Mesh) -> Result<Vec<Part>, SceneError> {
     let children: Vec<_> = object.children_of(ObjectKind::Bsdf).collect();
     let material_of = |name: &str| mesh.materials.names.iter().position(|known| known == name);
     let is_general = |name: &str| name.is_empty() || name == "bsdf";

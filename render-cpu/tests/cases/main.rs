@@ -102,9 +102,9 @@ pub fn mean(scene: &Scene, spp: u32) -> [f64; 3] {
     };
     let film = render_film(scene, &options, AovSet::NONE).expect("a film");
     let pixels = film.mean();
-    let sum = pixels.iter().fold([0.0; 3], |sum, pixel| {
-        [0, 1, 2].map(|c| sum[c] + pixel[c])
-    });
+    let sum = pixels
+        .iter()
+        .fold([0.0; 3], |sum, pixel| [0, 1, 2].map(|c| sum[c] + pixel[c]));
     sum.map(|x| x / pixels.len() as f64)
 }
 

@@ -59,7 +59,7 @@ fn instanced_and_curved_masks_let_light_pass_on_the_last_edge() {
     // Light passes a sphere twice, in and out, from everywhere.
     let sphere = format!(
         r#"<shape type="sphere"><float name="radius" value="400"/>{}</shape>"#,
-        HALF.to_string()
+        HALF
     );
     let integrator =
         r#"<integrator type="path"><integer name="max_depth" value="2"/></integrator>"#;

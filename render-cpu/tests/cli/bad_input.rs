@@ -64,9 +64,12 @@ fn scene_files() {
             &["width"],
         ),
         (
-            "a singular transform",
-            SCENE.replace("<scale value=\"4\"/>", "<scale x=\"0\" y=\"1\" z=\"1\"/>"),
-            &["to_world"],
+            "a transform that flattens a sphere",
+            SCENE.replace(
+                "<bsdf type=\"dielectric\"/>",
+                "<transform name=\"to_world\"><scale x=\"0\" y=\"1\" z=\"1\"/></transform>",
+            ),
+            &["to_world", "singular"],
         ),
         (
             "a negative radius",

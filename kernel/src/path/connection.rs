@@ -1,27 +1,30 @@
-//! The strategies that complete a path: what each adds, its weight, and the segment that must be free.
+//! The strategies (s, t) that complete a path: the weighted contribution of each, and the segment whose visibility decides
+//! about it.
 //!
 //! | s, t | completes a path by |
 //! |---|---|
-//! | 0, t | emission where a camera walk arrives, or that of the environment where it leaves the scene |
-//! | 1, t | a point of an emitter, sampled for the surface that it lights |
+//! | 0, t | emission of a surface that a camera walk hits, or of the environment where it leaves the scene |
+//! | 1, t | next event estimation: a point of an emitter, sampled for the surface that it illuminates |
 //! | s, t | the segment between a vertex of a light walk and one of a camera walk |
-//! | s, 1 | the segment from a vertex of a light walk, or from a point of an area light, to a point of the lens |
-//! | s, 0 | a light walk that meets a lens of some extent |
+//! | s, 1 | the segment from a vertex of a light walk, or from a point of an area light, to a sampled point of the lens |
+//! | s, 0 | a light walk that hits a lens of finite aperture |
 //!
-//! s and t count the vertices of the light and the camera subpath; a path has k = s + t - 1 edges. Weights: see
-//! [`super::weight`]. A path of one edge (an emitter that is looked at) is made by s = 0 and, on area lights, by t = 1 and
-//! t = 0; the strategies for it do not involve next event estimation.
+//! s and t count the vertices of the light and of the camera subpath; a path has k = s + t - 1 edges. For the weights see
+//! [`super::weight`]. A path of one edge (an emitter seen directly) is sampled by s = 0 and, on area lights, by t = 1 and
+//! t = 0; next event estimation is not among its strategies.
 //!
-//! Values of s, 1 and s, 0 are for the pixel's mean and one light walk per pixel of the window; the reconstruction filter
-//! is the film's.
+//! Values of (s, 1) and (s, 0) estimate the mean radiance of a pixel from one light walk per pixel of the crop window; the
+//! reconstruction filter is applied by the film.
 
+use super::contribution::Contribution;
 use super::evaluation::Interaction;
 use super::rules::PathRules;
 use super::strategies::Strategies;
+use super::vertex::LightEnd;
 use super::walk::Walk;
 use super::weight::PartialWeights;
 use crate::bsdf::mode;
-use crate::math::{Ray, Rgb, float, vec3};
+use crate::math::{Ray, Rgb, float};
 use crate::scene::emitter::emission::{self, EmissionSample, light_cosine};
 use crate::scene::emitter::{
     self, DirectSample, area_radiance, environment_radiance_and_pdf, sample_direct_with_point,
@@ -29,50 +32,7 @@ use crate::scene::emitter::{
 use crate::scene::{NONE, SurfacePoint, Tables, camera, emitter_kind};
 use glam::{Vec2, Vec3};
 
-/// What a strategy adds to a pixel unless something stands in its way.
-#[derive(Clone, Copy, Debug)]
-pub struct Contribution {
-    /// Weighted contribution.
-    pub value: Rgb,
-    /// The segment that must be free.
-    pub ray: Ray,
-    /// Film position of a splat, in pixels of the whole film.
-    pub film: Vec2,
-    /// Vertices of the light subpath.
-    pub s: u32,
-    /// Vertices of the camera subpath: 0 and 1 make splats.
-    pub t: u32,
-}
-
-impl Contribution {
-    /// Nothing.
-    pub const NONE: Contribution = Contribution {
-        value: Vec3::ZERO,
-        ray: Ray {
-            origin: Vec3::ZERO,
-            direction: Vec3::Z,
-            t_min: 0.0,
-            t_max: 0.0,
-        },
-        film: Vec2::ZERO,
-        s: 0,
-        t: 0,
-    };
-
-    /// Whether it adds anything.
-    #[inline]
-    pub fn is_some(&self) -> bool {
-        self.value.max_element() > 0.0
-    }
-
-    /// Whether it goes to the pixel that sees [`Contribution::film`].
-    #[inline]
-    pub fn is_splat(&self) -> bool {
-        self.t < 2
-    }
-}
-
-/// Everything that connections have in common.
+/// What the evaluation of every connection needs.
 #[derive(Clone, Copy)]
 pub struct Connector<'a> {
     /// The scene.
@@ -84,7 +44,7 @@ pub struct Connector<'a> {
 }
 
 impl Connector<'_> {
-    /// Light that a camera walk finds on the surface where it has arrived (s = 0).
+    /// Emission of the surface that a camera walk has hit (s = 0).
     pub fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Rgb {
         let tables = self.tables;
         if point.emitter == NONE || !self.strategies.shows(0, walk.depth + 2) {
@@ -111,7 +71,7 @@ impl Connector<'_> {
         walk.throughput * radiance * self.strategies.weight(0.0, camera)
     }
 
-    /// Light from infinity where a camera walk leaves the scene (s = 0).
+    /// Emission of the environment where a camera walk leaves the scene (s = 0).
     pub fn escaped(&self, walk: &Walk) -> Rgb {
         let tables = self.tables;
         let emitter = tables.info.environment;
@@ -130,7 +90,8 @@ impl Connector<'_> {
         walk.throughput * radiance * self.strategies.weight(0.0, camera)
     }
 
-    /// Light of an emitter that is sampled with `u_select` and `u` for the surface where a camera walk stands (s = 1).
+    /// Next event estimation at the current vertex of a camera walk (s = 1): `u_select` chooses the emitter, `u` a point or
+    /// direction of it.
     pub fn next_event(
         &self,
         walk: &Walk,
@@ -142,7 +103,7 @@ impl Connector<'_> {
         self.lit(walk, at, &light, &point)
     }
 
-    /// Light of the emitter point at which a light walk started (s = 1 without sampling for the surface).
+    /// A connection to the emitter point at which a light walk started (s = 1, without a sample drawn for this surface).
     pub fn start_event(
         &self,
         walk: &Walk,
@@ -232,7 +193,8 @@ impl Connector<'_> {
         }
     }
 
-    /// Light that a vertex of a light walk, `edges` from the emitter, sends to the lens point of `u_lens` (t = 1).
+    /// The connection from a vertex of a light walk, `edges` away from the emitter, to the lens point sampled with `u_lens`
+    /// (t = 1).
     pub fn to_lens(
         &self,
         throughput: Rgb,
@@ -272,7 +234,7 @@ impl Connector<'_> {
         }
     }
 
-    /// Light that an area light sends to the lens point of `u_lens` (s = 1, t = 1).
+    /// The connection from a point of an area light to the lens point sampled with `u_lens` (s = 1, t = 1).
     pub fn start_to_lens(&self, start: &EmissionSample, u_lens: Vec2) -> Contribution {
         let tables = self.tables;
         let is_area = start.emitter != NONE
@@ -308,7 +270,8 @@ impl Connector<'_> {
         }
     }
 
-    /// h of the density of meeting the lens point by chance over that of choosing it; `pdf` is per solid angle.
+    /// h(p_0 / p_1) for the density p_0 with which a light walk of density `pdf` per solid angle hits the lens point, and the
+    /// density p_1 with which that point is sampled.
     #[inline]
     fn lens_hit_ratio(&self, pdf: f32, seen: &camera::FilmPosition) -> f32 {
         let lens = self.strategies.pdf_lens(self.tables, &self.rules);
@@ -320,7 +283,7 @@ impl Connector<'_> {
         self.strategies.heuristic.of(pdf_area / lens)
     }
 
-    /// Light of a walk whose ray, which meets a surface at `t_max`, leads to the lens (t = 0).
+    /// A light walk whose ray, which hits the next surface at `t_max`, passes the aperture of the lens (t = 0).
     pub fn lens_met(&self, walk: &Walk, t_max: f32) -> Contribution {
         let tables = self.tables;
         let lens_pdf = self.strategies.pdf_lens(tables, &self.rules);
@@ -337,7 +300,8 @@ impl Connector<'_> {
             return Contribution::NONE;
         }
         let seen = camera::film_position_through(tables, walk.position, met.lens);
-        // What stands before the near clipping plane hides nothing: the light counts on the stretch that passes it.
+        // Surfaces between the lens and the near clipping plane are invisible, so they do not block the walk either: the
+        // contribution counts on the one segment of it that crosses the plane.
         let travelled = (ray.origin - walk.position).dot(ray.direction);
         let passes = travelled < seen.unclipped && seen.unclipped <= travelled + t_max;
         if !seen.is_valid || !passes {
@@ -373,7 +337,7 @@ impl Connector<'_> {
         }
     }
 
-    /// Light that a vertex of a light walk, `edges` from the emitter, sends to the surface where a camera walk stands.
+    /// The connection of a vertex of a light walk to the current vertex of a camera walk (s, t > 1).
     pub fn inner(&self, light: &LightEnd<'_>, walk: &Walk, at: &Interaction<'_>) -> Contribution {
         let (s, t) = (light.edges + 1, walk.depth + 2);
         if !self.allows_edges(s + t - 1) || !self.strategies.shows(s, t) {
@@ -424,33 +388,7 @@ impl Connector<'_> {
     }
 }
 
-/// The end of a light subpath that is connected.
-#[derive(Clone, Copy)]
-pub struct LightEnd<'a> {
-    /// Where it stands.
-    pub at: Interaction<'a>,
-    /// What it carries.
-    pub throughput: Rgb,
-    /// Its share of the weights.
-    pub weights: PartialWeights,
-    /// Edges from the emitter.
-    pub edges: u32,
-}
-
-impl<'a> LightEnd<'a> {
-    /// Of a stored vertex.
-    #[inline]
-    pub fn new(vertex: &super::PathVertex, at: Interaction<'a>) -> LightEnd<'a> {
-        LightEnd {
-            at,
-            throughput: vec3(vertex.throughput),
-            weights: vertex.weights(),
-            edges: vertex.depth,
-        }
-    }
-}
-
-/// The segment to the lens point, without the part before the near clipping plane.
+/// The segment to the lens point, as far as the near clipping plane.
 #[inline]
 fn to_lens_segment(point: &SurfacePoint, seen: &camera::FilmPosition) -> Ray {
     let mut ray = point.spawn(seen.direction);

@@ -1,15 +1,15 @@
-//! What a surface scatters between two directions, and the densities of walks both ways.
+//! The scattering between two directions at a vertex, and its sampling densities in both directions of transport.
 //!
-//! All algorithms evaluate one function: f(wc, wl) |cos wl|, with wc the direction along which a camera walk would have
-//! arrived and wl that in which it would leave, towards the light. A light walk arrives from wl and leaves along wc; what it
-//! carries on is the same number times the ratio of geometric cosines |wc.n_g| / |wl.n_g|, which together with the cosine of
-//! the shading normal in the number is the adjoint correction |wi.n_s| |wo.n_g| / (|wi.n_g| |wo.n_s|) of Veach (1997,
-//! equation 5.19) on top of the cosine with wc, under normal and bump maps and coats too. Nothing depends on the direction
-//! of transport but this ratio, so strategies agree on the value of a path to rounding, whether a model is exactly
-//! reciprocal or not.
+//! All algorithms evaluate one function, f(wc, wl) |cos wl|, where wc points towards the camera end of the path and wl
+//! towards its light end. A camera walk comes from wc and goes on along wl; a light walk comes from wl and goes on along wc,
+//! and its throughput is multiplied by the same number times the ratio of geometric cosines |wc.n_g| / |wl.n_g|. With the
+//! cosine of the shading normal that the number already holds, this is |cos wc| times the adjoint correction
+//! |wi.n_s| |wo.n_g| / (|wi.n_g| |wo.n_s|) of Veach (1997, equation 5.19), under normal maps, bump maps and coats as well.
+//! Nothing else depends on the direction of transport. All strategies therefore agree on the value of a path up to rounding,
+//! even where a model is not exactly reciprocal.
 //!
-//! Invariant (tests): both modes give the same value for exchanged directions but for that ratio, and the densities
-//! exchanged.
+//! Invariant (tests): with the two directions exchanged, both modes give the same value but for that ratio, and the two
+//! densities change places.
 
 use super::rules::PathRules;
 use crate::bsdf::{Bsdf, mode};
@@ -17,14 +17,14 @@ use crate::math::{Rgb, float};
 use crate::scene::{SurfacePoint, Tables};
 use glam::Vec3;
 
-/// Value and densities between two directions.
+/// BSDF value and sampling densities for a pair of directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation {
-    /// f times the cosine, on light walks with the ratio of geometric cosines.
+    /// f |cos wl|, on light walks times the ratio of geometric cosines.
     pub value: Rgb,
-    /// Density per solid angle of going on along the new direction.
+    /// Density per solid angle of sampling the outgoing direction.
     pub pdf: f32,
-    /// Density per solid angle of the way back: of the direction from which the walk arrived, had it come along the new one.
+    /// Density per solid angle of sampling the incident direction for a walk that comes from the outgoing one.
     pub pdf_reverse: f32,
 }
 
@@ -43,22 +43,22 @@ impl Evaluation {
     }
 }
 
-/// Where a walk stands: a surface point, its material looked up in the mode of radiance, and the local direction from which
-/// the walk arrived.
+/// A vertex of a walk with everything looked up: surface point, BSDF (for radiance, whatever the walk carries), and the local
+/// direction from which the walk came.
 #[derive(Clone, Copy)]
 pub struct Interaction<'a> {
     /// The point.
     pub point: &'a SurfacePoint,
-    /// The material.
+    /// Its BSDF.
     pub bsdf: &'a Bsdf,
-    /// Back along the walk, local.
+    /// Local direction back along the walk.
     pub wi: Vec3,
-    /// |cos| of that direction with the geometric normal.
+    /// Absolute cosine between that direction and the geometric normal.
     pub cosine: f32,
 }
 
 impl<'a> Interaction<'a> {
-    /// At a point that a ray reached in the world `direction`; the material must have been looked up for it.
+    /// At a point that was hit along the unit world `direction`; the BSDF must have been looked up for the same ray.
     #[inline]
     pub fn new(point: &'a SurfacePoint, bsdf: &'a Bsdf, direction: Vec3) -> Interaction<'a> {
         Interaction {
@@ -69,7 +69,7 @@ impl<'a> Interaction<'a> {
         }
     }
 
-    /// What a walk of `transport_mode` (one of [`mode`]) carries on along the unit world `direction`.
+    /// Scattering of a walk of `transport_mode` (one of [`mode`]) into the unit world `direction`.
     pub fn evaluate(
         &self,
         tables: &Tables<'_>,
@@ -101,8 +101,8 @@ impl<'a> Interaction<'a> {
         }
     }
 
-    /// The shading normal on the side from which the walk came, where nothing passes the surface; zero where something may.
-    /// Nothing is scattered along directions that turn away from it.
+    /// The shading normal on the side from which the walk came, if the surface is opaque; zero if it may transmit. An opaque
+    /// surface scatters nothing into the hemisphere behind this normal.
     #[inline]
     pub fn facing(&self) -> Vec3 {
         if !self.bsdf.is_opaque() {
@@ -114,7 +114,7 @@ impl<'a> Interaction<'a> {
         }
     }
 
-    /// |wo.n_g| / |wi.n_g|, zero where the walk arrived along the surface.
+    /// |wo.n_g| / |wi.n_g| for the world `direction` wo; zero where the walk came along the surface.
     #[inline]
     pub fn adjoint_ratio(&self, direction: Vec3) -> f32 {
         if !(self.cosine > 0.0) {

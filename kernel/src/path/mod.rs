@@ -1,30 +1,37 @@
-//! What every algorithm over whole paths stands on.
+//! The layer that all algorithms over whole paths share: subpaths, connections between them, and multiple importance
+//! sampling weights.
 //!
-//! A [`Walk`] is the moving end of a subpath, from the sensor or from an emitter; a [`PathVertex`] is a point where it may be
-//! connected; an [`Interaction`] is that point looked up again, with one evaluation for all kinds of connections;
-//! [`PartialWeights`] hold what the weights need to know of a subpath. A [`Contribution`] is what a connection adds unless
-//! something stands in its way: to the pixel from which the camera walk started, or as a splat where light arrives at the
-//! lens. Walks always sample the model as it is.
+//! A [`Walk`] is the moving end of a subpath that starts at the sensor or at an emitter. A [`PathVertex`] is a stored vertex
+//! of it; an [`Interaction`] is that vertex with its surface point and BSDF looked up again, and evaluates the scattering for
+//! connections of all kinds. [`PartialWeights`] are the sums over shorter subpaths that the weights need. A [`Contribution`]
+//! is the weighted value of one strategy before its visibility is known; it belongs to the pixel from which the camera
+//! subpath started, or is a splat. Walks always sample the BSDF itself.
 //!
-//! - [`rules`]: depth, hidden emitters, strict normals, Russian roulette;
-//! - [`walk`]: starts, arrival, scattering;
-//! - [`evaluation`]: values and densities at a surface;
-//! - [`strategies`]: what can make a path;
-//! - [`weight`]: the heuristics and their recursion;
-//! - [`connection`]: emission that is met, next event estimation, connections to the lens and between subpaths;
-//! - [`visibility`]: what is left of light along a segment.
+//! - [`rules`]: path depth, hidden emitters, strict normals, Russian roulette;
+//! - [`walk`]: random walks from the sensor and from emitters;
+//! - [`vertex`]: their vertices, as records;
+//! - [`evaluation`]: BSDF values and densities at a vertex, in both directions of transport;
+//! - [`strategies`]: which sampling strategies exist and enter the weights;
+//! - [`weight`]: the balance and power heuristics, and the recursion that evaluates them;
+//! - [`connection`]: emission that is hit, next event estimation, connections to the lens and between subpaths;
+//! - [`contribution`]: what a strategy returns;
+//! - [`visibility`]: transmittance along a segment.
 
 pub mod connection;
+pub mod contribution;
 pub mod evaluation;
 pub mod rules;
 pub mod strategies;
+pub mod vertex;
 pub mod visibility;
 pub mod walk;
 pub mod weight;
 
-pub use connection::{Connector, Contribution, LightEnd};
+pub use connection::Connector;
+pub use contribution::Contribution;
 pub use evaluation::{Evaluation, Interaction};
 pub use rules::PathRules;
 pub use strategies::Strategies;
-pub use walk::{PathVertex, Walk};
+pub use vertex::{LightEnd, PathVertex};
+pub use walk::Walk;
 pub use weight::{Heuristic, PartialWeights};

@@ -1,47 +1,47 @@
-//! Rules that all walks and connections keep, whatever algorithm makes them.
+//! Rules of path length, hidden emitters, strict normals and Russian roulette, the same for every algorithm.
 //!
-//! - Depth: a path has at most `max_depth` edges; straight passage through masks does not count.
-//! - Hidden emitters: rays that leave the sensor pass emitters as if they were not there, and so does light that reaches
-//!   it.
-//! - Strict normals: a direction lies on the same side of the geometric and of the shading surface, or the path ends.
-//! - Russian roulette: from `rr_depth` edges on a walk survives with the probability min(max(beta) eta^2, 0.95) on camera
-//!   walks, where eta^2 undoes the scaling of refracted radiance, and min(max(beta / beta_0), 0.95) on light walks, which
-//!   begin with beta_0. It stays out of the densities in weights: any partition of one serves them, as long as it depends on
-//!   the path alone.
+//! - Depth: a path has at most `max_depth` edges; null scattering at masks does not count.
+//! - Hidden emitters: emitters are transparent on the edge at the sensor, for camera rays as for light that reaches the lens.
+//! - Strict normals: a direction must lie on the same side of the geometric and of the shading normal, or the path ends.
+//! - Russian roulette: from `rr_depth` edges on, a camera walk of throughput beta survives with probability
+//!   min(max(beta) eta^2, 0.95), where max is that over channels and eta^2 undoes the scaling of refracted radiance; a light
+//!   walk of initial throughput beta_0 with min(max(beta) / max(beta_0), 0.95). These probabilities are left out of the
+//!   densities in weights: any weights that sum to one over the strategies are unbiased, as long as they depend on the path
+//!   alone.
 
 use crate::scene::SurfacePoint;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Highest probability of survival, so that a lossless chain ends too.
+/// Highest probability of survival, so that walks without absorption end as well.
 pub const MAX_SURVIVAL: f32 = 0.95;
 
-/// What a walk does next: a number, as it is kept in a buffer.
+/// What a walk does next, as numbers, because buffers hold them.
 pub mod step {
-    /// Nothing.
+    /// The walk has ended.
     pub const END: u32 = 0;
-    /// Follow its ray.
+    /// Trace its ray.
     pub const TRACE: u32 = 1;
-    /// Scatter at the surface where it arrived.
+    /// Scatter at the surface that was hit.
     pub const SCATTER: u32 = 2;
 }
 
-/// The rules' parameters.
+/// The parameters of these rules.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct PathRules {
-    /// Most edges of a path.
+    /// Largest number of edges of a path.
     pub max_depth: u32,
-    /// Number of edges from which walks may end at random.
+    /// Number of edges from which Russian roulette is played.
     pub rr_depth: u32,
-    /// 1 if rays from the sensor pass emitters.
+    /// 1 if emitters are invisible to the sensor.
     pub hide_emitters: u32,
-    /// 1 if directions must lie on the same side of the geometric and the shading surface.
+    /// 1 if directions must lie on the same side of the geometric and the shading normal.
     pub strict_normals: u32,
 }
 
 impl PathRules {
-    /// Whether the direction, with the local cosine `cos_theta`, may be taken at the point.
+    /// Whether a path may leave the point along the world `direction`, whose local cosine is `cos_theta`.
     #[inline]
     pub fn allows(&self, point: &SurfacePoint, direction: Vec3, cos_theta: f32) -> bool {
         self.strict_normals == 0 || is_same_side(point, direction, cos_theta)

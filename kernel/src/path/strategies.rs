@@ -1,7 +1,7 @@
-//! Which strategies make paths, how they are weighted, and which are shown.
+//! Which sampling strategies (s, t) exist, how they are weighted, and which of them an image shows.
 //!
-//! A strategy counts in the sum of weights exactly when it can make the path, so the settings that switch one off are asked
-//! here by all who gather weights.
+//! A strategy enters the sum of the weights exactly when it can sample the path. The settings that switch strategies off
+//! therefore stand here, where every computation of a weight looks them up.
 
 use super::rules::PathRules;
 use super::weight::{Heuristic, weight};
@@ -10,31 +10,31 @@ use crate::scene::emitter::emission::{self, light_cosine};
 use crate::scene::{NONE, SurfacePoint, Tables, camera, emitter_kind};
 use glam::Vec3;
 
-/// Which strategies there are, how they are weighted, and which are shown.
+/// The set of strategies, their heuristic, and the selection that an image shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Strategies {
     /// The heuristic.
     pub heuristic: Heuristic,
-    /// Whether light walks are connected to the lens.
+    /// Whether the strategies with t < 2 exist, which splat light walks onto the film.
     pub light_image: bool,
-    /// Whether emitters are sampled for the point that they light, rather than taken from the light walk's start.
+    /// Whether s = 1 samples an emitter for the illuminated point; otherwise it takes the start of the light walk.
     pub sample_direct: bool,
-    /// Vertices of the light subpath in the one strategy that is shown, [`NONE`] for all.
+    /// The only number s of light vertices that is shown, [`NONE`] for all.
     pub only_s: u32,
-    /// Vertices of the camera subpath in the one strategy that is shown, [`NONE`] for all.
+    /// The only number t of camera vertices that is shown, [`NONE`] for all.
     pub only_t: u32,
-    /// Whether weights are one.
+    /// Whether all weights are one, to show a strategy as it is.
     pub unweighted: bool,
 }
 
 impl Strategies {
-    /// Whether the strategy is shown.
+    /// Whether the strategy (s, t) is shown.
     #[inline]
     pub fn shows(&self, s: u32, t: u32) -> bool {
         (self.only_s == NONE || self.only_s == s) && (self.only_t == NONE || self.only_t == t)
     }
 
-    /// The weight of a strategy that is shown, given the sums over shorter light and shorter camera subpaths.
+    /// The weight of a strategy, given the sums over strategies with a shorter light and with a shorter camera subpath.
     #[inline]
     pub fn weight(&self, light: f32, camera: f32) -> f32 {
         if self.unweighted {
@@ -44,10 +44,10 @@ impl Strategies {
         }
     }
 
-    /// Density per area of lens points that light walks may meet; zero where that is no strategy.
+    /// Density per area of sampled lens points; zero if hitting the lens (t = 0) is no strategy.
     #[inline]
     pub fn pdf_lens(&self, tables: &Tables<'_>, rules: &PathRules) -> f32 {
-        // Light for a sensor that does not see emitters would have to pass them on its way.
+        // Emitters hidden from the sensor would have to be transparent for a walk's last edge, which it does not know.
         if self.light_image && rules.hide_emitters == 0 {
             camera::pdf_lens_area(&tables.camera)
         } else {
@@ -55,8 +55,8 @@ impl Strategies {
         }
     }
 
-    /// The density of the point or direction of an emitter in the strategy with one light vertex, as
-    /// [`crate::scene::emitter::DirectSample::pdf`] states it for a surface at `reference`.
+    /// The density with which the strategy s = 1 samples a point or direction of an emitter, in the measure of
+    /// [`crate::scene::emitter::DirectSample::pdf`] for a surface at `reference`.
     pub fn pdf_direct(
         &self,
         tables: &Tables<'_>,

@@ -1,10 +1,10 @@
-//! What light is left along a segment: zero behind a surface, the weight of the null lobes through masks.
+//! Transmittance along a segment: zero if a surface occludes it, the product of the null lobes' weights through masks.
 //!
-//! Masked surfaces let a shadow ray pass with the weight of their null lobes, so light samples see through leaves and
-//! the multiple importance sampling of a path that runs straight through a mask needs the density of its last real
-//! scattering only.
+//! A shadow ray passes a masked surface with the weight of its null lobe. So light samples reach through foliage, and the
+//! multiple importance sampling of a path that runs straight through masks needs only the density of the last vertex at
+//! which it really scattered.
 
-use super::connection::Contribution;
+use super::contribution::Contribution;
 use super::rules::PathRules;
 use crate::bsdf::null_transmittance;
 use crate::math::{Ray, Rgb};
@@ -13,11 +13,11 @@ use crate::scene::{
     NONE, SceneView, SurfacePoint, Tables, Traverse, features, lobe_kind, material_flag, scene_flag,
 };
 
-/// Most masks that one straight line may pass before it counts as blocked: more than any scene has in a row. It only bounds
-/// the time of a line that cannot leave a place where numbers are too coarse to move it on.
+/// Most masks that one segment may cross before it counts as occluded: more than any scene has in a row. It bounds the time
+/// of a ray that makes no progress because its offset is below the resolution of floats at that distance.
 pub const MAX_NULL_CROSSINGS: u32 = 1 << 16;
 
-/// Whether some light passes straight through the surface.
+/// Whether the surface's material has a null lobe.
 #[inline]
 pub fn has_masks(tables: &Tables<'_>, point: &SurfacePoint) -> bool {
     tables.has(features::lobe(lobe_kind::NULL))
@@ -25,7 +25,7 @@ pub fn has_masks(tables: &Tables<'_>, point: &SurfacePoint) -> bool {
         && tables.materials[point.material as usize].flags & material_flag::HAS_NULL != 0
 }
 
-/// Transmittance in [0, 1] per channel along a segment, as that of [`Contribution`].
+/// Transmittance in [0, 1] per channel along a segment, such as [`Contribution::ray`].
 pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb {
     if !has_null(view) {
         return if view.traverse.is_occluded(&segment) {
@@ -37,7 +37,7 @@ pub fn transmittance<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb 
     transmittance_in_steps(view, segment, false)
 }
 
-/// [`transmittance`] as if emitters were not there.
+/// [`transmittance`] with emitters taken as fully transparent.
 pub fn transmittance_past_emitters<T: Traverse>(view: &SceneView<'_, T>, segment: Ray) -> Rgb {
     transmittance_in_steps(view, segment, true)
 }
@@ -48,7 +48,7 @@ fn has_null<T: Traverse>(view: &SceneView<'_, T>) -> bool {
     has_masks && view.tables.info.flags & scene_flag::HAS_NULL != 0
 }
 
-/// Surface by surface.
+/// Finds the surfaces along the segment one after another and multiplies what they transmit.
 fn transmittance_in_steps<T: Traverse>(
     view: &SceneView<'_, T>,
     segment: Ray,
@@ -81,8 +81,8 @@ fn transmittance_in_steps<T: Traverse>(
     Rgb::ZERO
 }
 
-/// What is left of a contribution: the transmittance along its segment, which for splats passes emitters where the sensor
-/// does not see them, and is one where a walk has met the lens itself.
+/// The transmittance along a contribution's segment. For splats it ignores emitters that are hidden from the sensor; where a
+/// light walk has hit the lens (t = 0) it is one, because the walk's own ray has found that segment unoccluded.
 pub fn contribution_transmittance<T: Traverse>(
     view: &SceneView<'_, T>,
     rules: &PathRules,
@@ -97,7 +97,7 @@ pub fn contribution_transmittance<T: Traverse>(
     transmittance_past_emitters(view, contribution.ray)
 }
 
-/// Moves the ray's origin behind `point` and keeps its end.
+/// Moves the ray's origin to the other side of the surface at `point`; the end of the ray stays where it is.
 #[inline]
 pub fn pass_through(ray: &mut Ray, point: &SurfacePoint) {
     let next = point.offset_position(ray.direction);

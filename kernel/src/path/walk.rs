@@ -1,107 +1,66 @@
 //! Random walks from the sensor and from emitters.
 //!
-//! A walk is followed ray by ray: [`Walk::arrive`] where a surface is met, then [`Walk::scatter`], which samples the
-//! material as it is and updates what the weights of strategies need ([`super::weight`]). Camera walks carry radiance
-//! (refraction divides it by eta^2), light walks flux; a smooth light walk's throughput is found by evaluating the function
-//! that a camera walk would have evaluated (see [`super::evaluation`]), a discrete one's by the sampled weight, times eta^2,
-//! which undoes the scaling of radiance, and the cosine ratio |wi.n| |wo.n_g| / (|wi.n_g| |wo.n|) with n the lobe's own
-//! normal (Veach 1997, section 5.3.2). A normal or bump map's frame that is mirrored towards the known direction may be
-//! another seen from the other side of a discrete event: then walks pass it one way only, camera walks without competitors.
+//! A walk proceeds ray by ray: [`Walk::arrive`] at the surface that its ray hits, then [`Walk::scatter`], which samples the
+//! BSDF itself and updates the partial sums of the weights ([`super::weight`]). Camera walks transport radiance (refraction
+//! divides it by eta^2), light walks flux. At a non-specular vertex, the throughput of a light walk is that of the function
+//! which a camera walk would have evaluated (see [`super::evaluation`]). At a specular vertex it is the sampled weight times
+//! eta^2, which undoes the scaling of radiance, and times the cosine ratio |wi.n| |wo.n_g| / (|wi.n_g| |wo.n|) with n the
+//! lobe's own normal (Veach 1997, section 5.3.2).
 //!
-//! Densities at the ends: the first surface point of a camera walk has the density of one ray per pixel of the window, evenly
-//! over its area, whatever the filter; that of a light walk comes from [`crate::scene::emitter::emission`], and the strategy
-//! with one light vertex competes with the density of next event estimation, which is another.
+//! A frame of a normal or bump map is flipped towards the incident direction, and may differ for a walk from the other side
+//! of a specular vertex. Such a vertex can be passed in one direction only: light walks end there, and for camera walks no
+//! strategy with a longer light subpath exists.
+//!
+//! Densities at the ends: the first surface point of a camera walk has the density of one ray per pixel of the crop window,
+//! uniform over its area whatever the filter; that of a light walk comes from [`crate::scene::emitter::emission`]. The
+//! strategy s = 1 has a density of its own, that of next event estimation.
 
 use super::evaluation::Interaction;
 use super::rules::{MAX_SURVIVAL, PathRules, step};
 use super::strategies::Strategies;
+use super::vertex::PathVertex;
 use super::visibility::{MAX_NULL_CROSSINGS, has_masks, pass_through};
 use super::weight::{Heuristic, PartialWeights};
 use crate::bsdf::{BsdfSample, event, lobe, mode, null_transmittance};
-use crate::math::{Ray, Rgb, float, vec3};
+use crate::math::{Ray, Rgb, float};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission;
 use crate::scene::emitter::emission::{EmissionSample, is_delta, is_infinite, light_cosine};
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera};
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// The moving end of a subpath.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk {
-    /// The ray that is followed next.
+    /// The ray to trace next.
     pub ray: Ray,
-    /// From the sensor: radiance along the first ray per radiance along this one. From an emitter: what the ray carries.
+    /// From the sensor: radiance along the first ray per radiance along this one. From an emitter: the flux of this ray.
     pub throughput: Rgb,
-    /// Product of relative indices along the walk.
+    /// Product of the relative indices of refraction along the walk.
     pub eta: f32,
     /// Largest channel of the throughput at the start.
     pub initial: f32,
-    /// Where it scattered last, or its start.
+    /// Position of the last vertex at which it scattered, or of its start.
     pub position: Vec3,
-    /// Edges so far.
+    /// Number of edges before the current ray.
     pub depth: u32,
-    /// Surfaces passed straight through.
+    /// Number of surfaces passed by null scattering.
     pub crossings: u32,
     /// One of [`mode`]: radiance from the sensor, importance from an emitter.
     pub mode: u32,
-    /// What the weights need of it, up to where it scattered last and the direction that it took.
+    /// Partial sums of the weights after the last scattering, before the current edge.
     pub weights: PartialWeights,
-    /// The same up to the surface where it has arrived.
+    /// The same at the surface that the current ray has hit.
     pub arrived: PartialWeights,
-    /// Emitter on which it started, [`NONE`] at the sensor.
+    /// Emitter at which it started, [`NONE`] for a walk from the sensor.
     pub emitter: u32,
-    /// The point of an area light on which it started.
+    /// The point of an area light at which it started.
     pub start: Hit,
 }
 
-/// Where a walk stands after it arrived: what connections look up again.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct PathVertex {
-    /// Start of the ray that reached it.
-    pub origin: [f32; 3],
-    /// Direction of that ray.
-    pub direction: [f32; 3],
-    /// What it met.
-    pub hit: Hit,
-    /// The walk's throughput on arrival.
-    pub throughput: [f32; 3],
-    /// See [`PartialWeights::d_vcm`].
-    pub d_vcm: f32,
-    /// See [`PartialWeights::d_vc`].
-    pub d_vc: f32,
-    /// Edges from the subpath's start.
-    pub depth: u32,
-    /// The connectable vertex before it on the same subpath, as the owner of the vertices counts them; [`NONE`] for none.
-    pub previous: u32,
-    /// The surface point's position.
-    pub position: [f32; 3],
-    /// Its shading normal, on the side from which the walk came, where no light passes the surface; zero where some may.
-    pub facing: [f32; 3],
-}
-
-impl PathVertex {
-    /// The surface point.
-    #[inline]
-    pub fn point(&self, tables: &Tables<'_>) -> SurfacePoint {
-        let ray = Ray::new(vec3(self.origin), vec3(self.direction));
-        surface_with::<{ detail::TANGENTS }>(tables, &ray, &self.hit)
-    }
-
-    /// The gathered sums.
-    #[inline]
-    pub fn weights(&self) -> PartialWeights {
-        PartialWeights {
-            d_vcm: self.d_vcm,
-            d_vc: self.d_vc,
-        }
-    }
-}
-
 impl Walk {
-    /// A walk that has not left the sensor.
+    /// The start of a camera walk along `ray`.
     #[inline]
     pub fn from_sensor(ray: &Ray) -> Walk {
         Walk {
@@ -120,7 +79,7 @@ impl Walk {
         }
     }
 
-    /// A walk along a ray that leaves an emitter.
+    /// The start of a light walk along a sampled ray of an emitter.
     #[inline]
     pub fn from_emitter(sample: &EmissionSample) -> Walk {
         let point = &sample.point;
@@ -140,8 +99,8 @@ impl Walk {
         }
     }
 
-    /// Moves on to a surface that its ray met: the weights' share of the edge. Where the walk then passes
-    /// straight through, nothing has changed.
+    /// Updates the partial sums for the edge to the surface that the ray has hit. They are kept apart from those of the last
+    /// vertex, so that null scattering at this surface leaves the walk as it was.
     pub fn arrive(
         &mut self,
         tables: &Tables<'_>,
@@ -231,7 +190,7 @@ impl Walk {
         }
     }
 
-    /// Whether the walk stands on its first edge from an emitter at infinity.
+    /// Whether the current ray is the first edge from an emitter at infinity.
     #[inline]
     pub fn comes_from_infinity(&self, tables: &Tables<'_>) -> bool {
         self.mode == mode::IMPORTANCE
@@ -239,7 +198,7 @@ impl Walk {
             && is_infinite(tables.emitters[self.emitter as usize].kind)
     }
 
-    /// The vertex at which it has arrived.
+    /// The record of the surface that the ray has hit.
     #[inline]
     pub fn vertex(&self, hit: &Hit, at: &Interaction<'_>, previous: u32) -> PathVertex {
         PathVertex {
@@ -256,7 +215,7 @@ impl Walk {
         }
     }
 
-    /// Goes straight on through the surface; says what is next, one of [`step`].
+    /// Continues straight through the surface; returns the next [`step`].
     #[inline]
     pub fn pass(&mut self, point: &SurfacePoint) -> u32 {
         self.crossings += 1;
@@ -267,8 +226,8 @@ impl Walk {
         step::TRACE
     }
 
-    /// On the last edge: goes straight on with what the surface's masks let pass, because they do not count as vertices. Says
-    /// what is next, one of [`step`].
+    /// On the last edge that the depth allows: continues straight through a mask, with the weight of its null lobe, because
+    /// masks do not count as vertices. Returns the next [`step`].
     #[inline]
     pub fn pass_masks(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
         if !has_masks(tables, point) {
@@ -282,7 +241,7 @@ impl Walk {
         }
     }
 
-    /// Leaves the surface along a direction that its material samples; says whether the walk goes on, one of [`step`].
+    /// Samples a direction of the BSDF and continues along it; returns the next [`step`].
     pub fn scatter<S: Sampler>(
         &mut self,
         tables: &Tables<'_>,
@@ -317,7 +276,7 @@ impl Walk {
             self.weights = if is_reversible {
                 self.arrived.scatter_delta(h, cosine)
             } else {
-                // No walk comes the other way.
+                // No walk can come from the other end.
                 PartialWeights::NONE
             };
             if self.mode == mode::IMPORTANCE && !is_reversible {
@@ -360,7 +319,7 @@ impl Walk {
         }
     }
 
-    /// Probability of going on.
+    /// Probability of surviving Russian roulette.
     #[inline]
     fn survival(&self) -> f32 {
         let strength = self.throughput.max_element();
@@ -371,7 +330,7 @@ impl Walk {
         }
     }
 
-    /// What the weight of a discrete sample is multiplied by: one for radiance.
+    /// Factor on the weight of a specular sample: one for radiance, the adjoint correction and eta^2 for importance.
     #[inline]
     fn delta_factor(
         &self,
@@ -390,7 +349,7 @@ impl Walk {
     }
 }
 
-/// The hit that finds a point of an area light again.
+/// The hit record of a sampled point of an area light, from which it can be looked up again.
 #[inline]
 fn start_hit(point: &SurfacePoint) -> Hit {
     if point.emitter == NONE {

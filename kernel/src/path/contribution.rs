@@ -1,0 +1,51 @@
+//! What one strategy adds to a pixel: a weighted value, and the segment along which its light must not be blocked.
+//!
+//! A value is returned, not written: whoever asked for it traces the segment ([`super::visibility`]) and decides where the
+//! sum is kept. Strategies with at least two camera vertices add to the pixel from which the camera walk started; the others
+//! are splats, which name their own film position.
+
+use crate::math::{Ray, Rgb};
+use glam::{Vec2, Vec3};
+
+/// The weighted contribution of one strategy, were its segment unoccluded.
+#[derive(Clone, Copy, Debug)]
+pub struct Contribution {
+    /// Weighted contribution to the pixel's radiance.
+    pub value: Rgb,
+    /// The segment that must be unoccluded.
+    pub ray: Ray,
+    /// Film position of a splat, in pixels of the whole film.
+    pub film: Vec2,
+    /// Vertices of the light subpath.
+    pub s: u32,
+    /// Vertices of the camera subpath; strategies with 0 or 1 are splats.
+    pub t: u32,
+}
+
+impl Contribution {
+    /// No contribution.
+    pub const NONE: Contribution = Contribution {
+        value: Vec3::ZERO,
+        ray: Ray {
+            origin: Vec3::ZERO,
+            direction: Vec3::Z,
+            t_min: 0.0,
+            t_max: 0.0,
+        },
+        film: Vec2::ZERO,
+        s: 0,
+        t: 0,
+    };
+
+    /// Whether the value is positive in any channel.
+    #[inline]
+    pub fn is_some(&self) -> bool {
+        self.value.max_element() > 0.0
+    }
+
+    /// Whether it belongs to the pixels around [`Contribution::film`], not to that of the camera walk.
+    #[inline]
+    pub fn is_splat(&self) -> bool {
+        self.t < 2
+    }
+}

@@ -5,7 +5,7 @@
 //! every result of floating-point arithmetic: the triangle test is watertight only if the two products of an edge function
 //! are rounded by themselves (`halflight_kernel::scene::intersect`), and a path through several layers of glass ends where
 //! the processor's path ends only if nothing is rounded otherwise. Functions like the sine are the kernel's own
-//! ([`halflight_kernel::math::elementary`]); what is left to differ is the last bits of quotients and roots.
+//! ([`halflight_kernel::math::float::elementary`]); what is left to differ is the last bits of quotients and roots.
 
 use crate::module::instructions;
 use std::collections::HashSet;

@@ -16,6 +16,7 @@ pub mod diffuse_transmission;
 pub mod frame_map;
 pub mod fresnel;
 pub mod lobe;
+mod lobe_frame;
 pub mod local_roughness;
 pub mod lookup;
 pub mod merl;
@@ -75,6 +76,26 @@ pub mod mode {
     pub const IMPORTANCE: u32 = 1;
 }
 
+/// Value of a BSDF or lobe for a pair of directions, and the densities of sampling either from the other.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfValue {
+    /// f, times the cosine that the function which returns it states.
+    pub value: Rgb,
+    /// Density per solid angle of sampling wo where wi is known.
+    pub pdf: f32,
+    /// Density per solid angle of sampling wi where wo is known.
+    pub pdf_reverse: f32,
+}
+
+impl BsdfValue {
+    /// Nothing is scattered.
+    pub const ZERO: BsdfValue = BsdfValue {
+        value: Vec3::ZERO,
+        pdf: 0.0,
+        pdf_reverse: 0.0,
+    };
+}
+
 /// A sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSample {
@@ -90,8 +111,8 @@ pub struct BsdfSample {
     pub event: u32,
 }
 
-/// A reflected direction with the density and the value of its model, `weighted!(sample, pdf, value)`. Shaders leave both to
-/// [`Bsdf::mix`], which evaluates all lobes anyway: their compilers would copy the evaluation to here.
+/// A reflected direction with the density and the value of its model, `weighted!(sample, pdf, value)`. In shaders
+/// [`Bsdf::mix`] computes both, which evaluates all lobes anyway: their compilers would inline a second copy of the model here.
 macro_rules! weighted {
     ($sample:expr, $pdf:expr, $value:expr) => {{
         #[cfg(target_arch = "spirv")]
@@ -150,6 +171,34 @@ impl BsdfSample {
             event: self.event | event::UNWEIGHTED,
             ..self
         }
+    }
+}
+
+/// A sample of a model that reflects above the horizon only: `direction` draws wo, which may fall below it, and `eval_pdf` gives
+/// the value and the density there.
+#[inline]
+pub(crate) fn sample_reflection(
+    wi: Vec3,
+    direction: impl FnOnce() -> BsdfSample,
+    eval_pdf: impl FnOnce(Vec3) -> (Rgb, f32),
+) -> BsdfSample {
+    if wi.z <= 0.0 {
+        return BsdfSample::NONE;
+    }
+    let sample = direction();
+    if sample.wo.z <= 0.0 {
+        return BsdfSample::NONE;
+    }
+    // Shaders weight the sample in `Bsdf::mix`, see `weighted!`.
+    #[cfg(target_arch = "spirv")]
+    {
+        let _ = eval_pdf;
+        sample.unweighted()
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    {
+        let (value, pdf) = eval_pdf(sample.wo);
+        sample.weighted(pdf, value)
     }
 }
 

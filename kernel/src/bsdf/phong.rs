@@ -9,7 +9,7 @@
 //! those below the horizon are lost, so that the albedo falls towards grazing angles. `exponent` is clamped to
 //! [0, [`MAX_EXPONENT`]]. Invariants (tests): reciprocity, an albedo of rho_s at most, the published values.
 
-use super::{BsdfSample, Lobe, event, weighted};
+use super::{BsdfSample, Lobe, event, sample_reflection};
 use crate::math::{Frame, Rgb, float};
 use core::f32::consts::TAU;
 use glam::{Vec2, Vec3};
@@ -54,14 +54,11 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 /// A direction about the mirror image of `wi`; `u1` is not used.
 #[inline]
 pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
-    if wi.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    let s = direction(lobe, wi, u2);
-    if s.wo.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    weighted!(s, pdf(lobe, wi, s.wo), eval(lobe, wi, s.wo))
+    sample_reflection(
+        wi,
+        || direction(lobe, wi, u2),
+        |wo| (eval(lobe, wi, wo), pdf(lobe, wi, wo)),
+    )
 }
 
 /// The direction of [`sample`], which may lie below the horizon.

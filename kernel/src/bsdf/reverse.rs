@@ -1,14 +1,14 @@
-//! The scattering function with its directions exchanged, for densities of walks that come the other way.
+//! The BSDF with its directions exchanged: reverse densities, and values on light walks.
 //!
-//! Bidirectional methods ask of a pair of directions (wi, wo) also for the density of sampling wi where wo is known, and, on
-//! light walks, for the value that a camera walk would have found. A material looked up for wi mostly holds what it needs:
-//! its lobes do not depend on the known direction, only the probabilities of choosing them do. It is looked up once more
-//! where that fails, which is rare: under normal and bump maps, whose frame may be mirrored towards the known direction, and
-//! across the surface where some lobe exists on one side only.
+//! Bidirectional methods need, for a pair of directions (wi, wo), also the density of sampling wi where wo is known, and, on
+//! light walks, the value that a camera walk would have evaluated. A material looked up for wi usually holds all of this: its
+//! lobes do not depend on the known direction, only the probabilities of choosing them do. It is looked up a second time,
+//! for wo, where that fails: under normal and bump maps, whose frame may be flipped towards the known direction, and for
+//! transmission through a material with a lobe that exists on one side only.
 //!
 //! Invariant (tests): value and density are those of [`Bsdf::eval_cosine_pdf`] of the material looked up for wo.
 
-use super::{Bsdf, lobe};
+use super::{Bsdf, BsdfValue, lobe};
 use crate::math::{Rgb, float};
 use crate::scene::{SurfacePoint, Tables, lobe_flag, lobe_kind};
 use glam::Vec3;
@@ -16,20 +16,9 @@ use glam::Vec3;
 /// Largest squared distance of normals that differ by rounding only.
 const SAME_NORMAL: f32 = 1e-8;
 
-/// Value and densities between two directions.
-#[derive(Clone, Copy, Debug)]
-pub struct BothWays {
-    /// f(wi, wo) |cos wo|, or f(wo, wi) |cos wi|.
-    pub value: Rgb,
-    /// Density of sampling wo where wi is known.
-    pub pdf: f32,
-    /// Density of sampling wi where wo is known.
-    pub pdf_reverse: f32,
-}
-
 impl Bsdf {
-    /// Densities both ways and f(wi, wo) |cos wo|, or f(wo, wi) |cos wi| if `is_exchanged`, of a material looked up for wi in
-    /// the mode of radiance, in one pass where the model allows it. Densities mean nothing where the value is zero.
+    /// f(wi, wo) |cos wo|, or f(wo, wi) |cos wi| if `is_exchanged`, and the densities in both directions, of a material looked
+    /// up for wi and for radiance; in one pass where the model allows it. The densities are undefined where the value is zero.
     pub fn eval_cosine_pdf_both(
         &self,
         tables: &Tables<'_>,
@@ -37,24 +26,20 @@ impl Bsdf {
         wi: Vec3,
         wo: Vec3,
         is_exchanged: bool,
-    ) -> BothWays {
+    ) -> BsdfValue {
         if self.lobe_count() == 1 {
             let only = self.lobe_at(0);
-            let both = lobe::eval_pdf_both(only, wi, wo);
-            if both.is_valid {
+            if lobe::is_reciprocal_and_plain(only) {
+                let both = lobe::eval_pdf_both(only, wi, wo);
                 let cosine = float::abs(if is_exchanged { wi.z } else { wo.z });
-                return BothWays {
+                return BsdfValue {
                     value: both.value * (only.weight * cosine),
                     pdf: both.pdf,
                     pdf_reverse: both.pdf_reverse,
                 };
             }
         }
-        let mut both = BothWays {
-            value: Vec3::ZERO,
-            pdf: 0.0,
-            pdf_reverse: 0.0,
-        };
+        let mut both = BsdfValue::ZERO;
         if is_exchanged {
             (both.value, both.pdf_reverse) = self.eval_cosine_pdf_reverse(tables, point, wi, wo);
             if both.value.max_element() > 0.0 {
@@ -69,7 +54,7 @@ impl Bsdf {
         both
     }
 
-    /// Whether light that is scattered along a direction with a density stays on the side from which it came.
+    /// Whether no light passes to the other side of the surface, discrete directions aside.
     #[inline]
     pub fn is_opaque(&self) -> bool {
         for i in 0..self.lobe_count() {
@@ -80,8 +65,8 @@ impl Bsdf {
         true
     }
 
-    /// f(wo, wi) |cos wi| and the density of sampling wi where wo is known, of a material looked up for wi in the mode of
-    /// radiance; the discrete parts are in neither.
+    /// f(wo, wi) |cos wi| and the density of sampling wi where wo is known, of a material looked up for wi and for radiance;
+    /// without the discrete parts.
     pub fn eval_cosine_pdf_reverse(
         &self,
         tables: &Tables<'_>,
@@ -144,8 +129,8 @@ impl Bsdf {
         if sum > 0.0 { pdf / sum } else { 0.0 }
     }
 
-    /// Whether the lobe `index` has the frame that it would have, had the material been looked up for wo: normals of maps are
-    /// mirrored towards the known direction where that does not see them.
+    /// Whether the lobe `index` has the frame that it would have if the material were looked up for wo: a perturbed normal is
+    /// flipped towards the known direction where it faces away from it.
     pub fn has_same_frame(
         &self,
         tables: &Tables<'_>,

@@ -15,7 +15,7 @@
 use super::coat_reflection::half_vector;
 use super::fresnel::reflect;
 use super::microfacet::{Microfacets, clamp_alpha};
-use super::{BsdfSample, Lobe, event, weighted};
+use super::{BsdfSample, Lobe, event, sample_reflection};
 use crate::math::{Rgb, float};
 use crate::scene::distribution;
 use glam::{Vec2, Vec3};
@@ -81,14 +81,11 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 /// The mirror image of `wi` at a half vector of the distribution; `u1` is not used.
 #[inline]
 pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
-    if wi.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    let s = direction(lobe, wi, u2);
-    if s.wo.z <= 0.0 {
-        return BsdfSample::NONE;
-    }
-    weighted!(s, pdf(lobe, wi, s.wo), eval(lobe, wi, s.wo))
+    sample_reflection(
+        wi,
+        || direction(lobe, wi, u2),
+        |wo| (eval(lobe, wi, wo), pdf(lobe, wi, wo)),
+    )
 }
 
 /// The direction of [`sample`], which may lie below the horizon.

@@ -5,7 +5,6 @@ pub mod block;
 pub mod block_elimination;
 pub mod block_tridiagonal;
 pub mod distribution;
-pub mod elementary;
 pub mod filter;
 pub mod float;
 pub mod frame;

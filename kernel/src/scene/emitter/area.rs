@@ -3,9 +3,7 @@
 //! - Meshes: a triangle by the table of cumulative areas, then a uniform point on it; density per area `pmf / area`.
 //! - Disks and cylinders: a uniform point of the canonical surface; the affine map stretches its area by
 //!   `|det A| |A^-T N|`, N the canonical unit normal, which is constant unless the map squeezes a cylinder.
-//! - Spheres: a uniform direction of the cone that the unit sphere fills in object space, all directions from inside;
-//!   the map turns solid angle by `d(object) / d(world) = |det A^-1| / |A^-1 d|^3`, which is one for round spheres
-//!   (and makes ellipsoids exact).
+//! - Spheres: a direction of the cone that the sphere subtends ([`super::sphere`]); density per solid angle.
 //!
 //! Densities per area become densities per solid angle by `d^2 / |cos|` with the geometric normal. Whether a point
 //! emits towards the viewer is decided by its shading normal, as in Mitsuba. Points whose density would not be finite
@@ -13,10 +11,11 @@
 //!
 //! Invariants (tests): the density integrates to one; [`pdf_direct`] at the sampled point is the sampled density.
 
-use super::DirectSample;
-use crate::math::affine::{determinant, transform_normal, transform_point, transform_vector};
+use super::direct_sample::DirectSample;
+use super::sphere::{sample_cone, sphere_pdf};
+use crate::math::affine::{determinant, transform_normal, transform_point};
 use crate::math::distribution::{cdf_pmf, sample_cdf};
-use crate::math::{Frame, Rgb, field, float, vec3, warp};
+use crate::math::{Rgb, field, float, vec3, warp};
 use crate::scene::surface::detail;
 use crate::scene::surface::quadric::{quadric_point_with, sphere_point_with};
 use crate::scene::surface::triangle::{area, corners, triangle_point_of};
@@ -243,110 +242,6 @@ pub(super) fn quadric_pdf_area(quadric: &Quadric, p: Vec3) -> f32 {
 pub(super) fn area_stretch(quadric: &Quadric, normal: Vec3) -> f32 {
     float::abs(determinant(&quadric.to_world))
         * transform_normal(&quadric.to_object, normal).length()
-}
-
-/// 1 - cos of the cone that the unit sphere fills from a squared distance of its centre; 2, all directions, from inside.
-#[inline]
-fn sphere_cone(distance2: f32) -> f32 {
-    if !(distance2 > 1.0) {
-        return 2.0;
-    }
-    let sin2 = 1.0 / distance2;
-    // cos = sqrt(1 - sin^2), written to keep its precision close to the sphere.
-    let cos = float::sqrt((distance2 - 1.0) / distance2);
-    sin2 / (1.0 + cos)
-}
-
-/// Density per world solid angle at `reference` of the direction to the point `position` of a sphere.
-#[inline]
-fn sphere_pdf(quadric: &Quadric, reference: Vec3, position: Vec3) -> f32 {
-    let origin = transform_point(&quadric.to_object, reference);
-    let p = transform_point(&quadric.to_object, position);
-    let distance2 = origin.length_squared();
-    // From outside only the near side is sampled.
-    if distance2 > 1.0 && !(p.dot(origin - p) > 0.0) {
-        return 0.0;
-    }
-    let to_light = position - reference;
-    let length = to_light.length();
-    if !(length > 0.0) {
-        return 0.0;
-    }
-    let d = transform_vector(&quadric.to_object, to_light / length);
-    let pdf = warp::uniform_cone_pdf(sphere_cone(distance2))
-        * object_per_world_solid_angle(&quadric.to_world, d.length());
-    if float::is_finite(pdf) { pdf } else { 0.0 }
-}
-
-/// d(object solid angle) / d(world solid angle) in a world direction whose image has the length `image_length`.
-#[inline]
-fn object_per_world_solid_angle(to_world: &[f32; 12], image_length: f32) -> f32 {
-    1.0 / (float::abs(determinant(to_world)) * image_length * image_length * image_length)
-}
-
-/// A direction towards a sphere, where it meets the unit sphere of object space, and its density; zero for none.
-struct Cone {
-    point: Vec3,
-    direction: Vec3,
-    distance: f32,
-    pdf: f32,
-}
-
-impl Cone {
-    const NONE: Cone = Cone {
-        point: Vec3::Z,
-        direction: Vec3::Z,
-        distance: 0.0,
-        pdf: 0.0,
-    };
-}
-
-/// Samples the cone of directions towards a sphere.
-#[cfg_attr(target_arch = "spirv", inline)]
-#[cfg_attr(not(target_arch = "spirv"), inline(always))]
-fn sample_cone(to_world: &[f32; 12], to_object: &[f32; 12], reference: Vec3, u: Vec2) -> Cone {
-    let origin = transform_point(to_object, reference);
-    let distance2 = origin.length_squared();
-    let distance = float::sqrt(distance2);
-    // Frame with z towards the centre: the reference point is (0, 0, -distance).
-    let frame = if distance > 1e-12 {
-        Frame::from_normal(origin * (-1.0 / distance))
-    } else {
-        Frame::LOCAL
-    };
-    let one_minus_cos = sphere_cone(distance2);
-    let d = warp::square_to_uniform_cone(u, one_minus_cos);
-    let sin2 = d.x * d.x + d.y * d.y;
-    let half_chord = float::safe_sqrt(1.0 - distance2 * sin2);
-    let is_outside = distance2 > 1.0;
-    let t = if is_outside {
-        distance * d.z - half_chord
-    } else {
-        distance * d.z + half_chord
-    };
-    let (x, y) = (t * d.x, t * d.y);
-    let z = if is_outside {
-        // t cos - distance, without the cancellation that it has far from the sphere.
-        -float::safe_sqrt(1.0 - x * x - y * y)
-    } else {
-        t * d.z - distance
-    };
-    let world = transform_vector(to_world, frame.to_world(d));
-    let length = world.length();
-    if !(length > 0.0) || !(t > 0.0) {
-        return Cone::NONE;
-    }
-    let pdf = warp::uniform_cone_pdf(one_minus_cos)
-        * object_per_world_solid_angle(to_world, 1.0 / length);
-    if !(pdf > 0.0) || !float::is_finite(pdf) {
-        return Cone::NONE;
-    }
-    Cone {
-        point: frame.to_world(Vec3::new(x, y, z)),
-        direction: world / length,
-        distance: length * t,
-        pdf,
-    }
 }
 
 /// Fills the sampling table of a shape, `out` having one word per primitive of the shape; returns the shape's area.

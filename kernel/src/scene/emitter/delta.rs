@@ -11,7 +11,7 @@
 //! Here E is in W/m^2 on a surface that faces the light, x, y, z the reference point in the light's frame. Definitions
 //! and the factor pi are those of Mitsuba 3 (numbers in the tests).
 
-use super::DirectSample;
+use super::direct_sample::DirectSample;
 use crate::math::affine::{transform_point, transform_vector, translation};
 use crate::math::{Rgb, float, vec3};
 use crate::scene::texture::eval_uv;

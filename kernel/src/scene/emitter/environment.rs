@@ -13,7 +13,7 @@
 //! Invariants (tests): the density integrates to one; the sampled density is the stated one; lookups agree with an
 //! independent renderer. The emitter's frame is a rotation or a reflection; scales are divided out.
 
-use super::DirectSample;
+use super::direct_sample::DirectSample;
 use crate::math::affine::transform_vector;
 use crate::math::distribution::{GUIDE_WORDS, cdf_pmf, sample_cdf_guided};
 use crate::math::warp::{UNIFORM_SPHERE_PDF, square_to_uniform_sphere};

@@ -16,13 +16,16 @@
 
 pub mod area;
 pub mod delta;
+mod direct_sample;
 pub mod emission;
 pub mod environment;
 pub mod position;
+mod sphere;
 
 pub use area::{area_radiance, pdf_direct};
 #[cfg(not(target_arch = "spirv"))]
 pub(crate) use area::{on_sphere, on_triangle};
+pub use direct_sample::DirectSample;
 pub use environment::{
     environment_radiance, environment_radiance_and_pdf, environment_table_size,
     environment_table_words, pdf_environment,
@@ -38,48 +41,7 @@ use super::features;
 use super::records::*;
 use super::surface::SurfacePoint;
 use super::view::Tables;
-use crate::math::Rgb;
 use glam::{Vec2, Vec3};
-
-/// Light arriving at a point from a sampled direction.
-#[derive(Clone, Copy, Debug)]
-pub struct DirectSample {
-    /// Unit direction from the reference point to the light, in world space.
-    pub direction: Vec3,
-    /// Distance to the light along it; [`f32::MAX`] for lights at infinity.
-    pub distance: f32,
-    /// End of the segment to test for visibility: a point just off the light's surface, on the reference point's side.
-    /// Meaningless for lights at infinity.
-    pub target: Vec3,
-    /// Radiance, or irradiance on a facing surface for delta lights.
-    pub radiance: Rgb,
-    /// Density per solid angle including the choice of the emitter, or the probability of the choice for delta lights;
-    /// zero for no sample.
-    pub pdf: f32,
-    /// Whether no other strategy can find this direction.
-    pub is_delta: bool,
-    /// Index into the emitters.
-    pub emitter: u32,
-}
-
-impl DirectSample {
-    /// No sample.
-    pub const NONE: DirectSample = DirectSample {
-        direction: Vec3::Z,
-        distance: 0.0,
-        target: Vec3::ZERO,
-        radiance: Vec3::ZERO,
-        pdf: 0.0,
-        is_delta: false,
-        emitter: NONE,
-    };
-
-    /// Whether it is a sample that brings light.
-    #[inline]
-    pub fn is_some(&self) -> bool {
-        !(self.pdf <= 0.0 || self.radiance.max_element() <= 0.0)
-    }
-}
 
 /// Chooses an emitter with `u` in [0, 1); [`NONE`] in a scene without light.
 #[inline]

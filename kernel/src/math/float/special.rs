@@ -1,13 +1,10 @@
-//! The switch between the float functions of std, libm and SPIR-V.
+//! Functions beyond the elementary ones: `exp(x) - 1` and `ln(1 + x)` near zero, the error function and its relatives, and
+//! quantiles of the Gamma distribution.
 //!
-//! Those that are exactly rounded everywhere come from std on hosts that enable it and from libm elsewhere, whose names
-//! rust-gpu replaces by the shader's own instructions (a root of a device may be off by 2.5 ulp). All others are our own:
-//! [`super::elementary`] and, for what is imprecise or missing otherwise, the polynomials here. No function panics; each
-//! returns a finite value for finite input inside its domain.
+//! Polynomials whose error bounds each function states; tests compare them with `f64` functions over their domains.
 
-pub use super::elementary::{
-    atan, cos, exp, ln, pow, sin, sin_cos, sin_cos_octant, sin_cos_turns, tan,
-};
+use super::basic::{abs, sqrt, with_sign_of};
+use super::elementary::{exp, ln, pow};
 
 /// A polynomial by Horner's rule, coefficients from that of `x^0` on. Written out, because a shader compiler would store
 /// a table anew at each use.
@@ -18,157 +15,6 @@ macro_rules! polynomial {
         let x: f32 = $x;
         polynomial!(@ x; $($c),+)
     }};
-}
-
-macro_rules! unary {
-    ($($(#[$doc:meta])* $name:ident => $libm:ident;)*) => {$(
-        $(#[$doc])*
-        #[inline]
-        pub fn $name(x: f32) -> f32 {
-            #[cfg(feature = "std")]
-            {
-                x.$name()
-            }
-            #[cfg(not(feature = "std"))]
-            {
-                libm::$libm(x)
-            }
-        }
-    )*};
-}
-
-unary! {
-    /// Square root; the caller keeps `x >= 0` (see [`safe_sqrt`]).
-    sqrt => sqrtf;
-    /// Smallest integer not below `x`.
-    ceil => ceilf;
-    /// Absolute value.
-    abs => fabsf;
-}
-
-/// Largest integer not above `x`.
-#[inline]
-pub fn floor(x: f32) -> f32 {
-    // Processors of the first x86-64 level have no instruction for it, and a call costs more than this.
-    #[cfg(all(target_arch = "x86_64", not(target_feature = "sse4.1")))]
-    {
-        // From 2^23 on every float is whole.
-        let is_whole = !(abs(x) < 8_388_608.0);
-        let inside = if is_whole { 0.0 } else { x };
-        // SAFETY: `inside` is not a NaN and within the range of the integer.
-        let whole = unsafe { inside.to_int_unchecked::<i32>() } as f32;
-        let below = if whole > x { whole - 1.0 } else { whole };
-        if is_whole { x } else { below }
-    }
-    #[cfg(not(all(target_arch = "x86_64", not(target_feature = "sse4.1"))))]
-    {
-        #[cfg(feature = "std")]
-        {
-            x.floor()
-        }
-        #[cfg(not(feature = "std"))]
-        {
-            libm::floorf(x)
-        }
-    }
-}
-
-/// The whole part of `x` from 0 to 2^31 - 128; nearer ends for numbers beyond, 0 for a NaN.
-///
-/// As the compiler's own conversion within that range, but without what that one does beyond, which vectors lack.
-#[inline]
-pub fn to_index(x: f32) -> u32 {
-    let x = if x > 0.0 { x } else { 0.0 };
-    let x = if x < 2_147_483_520.0 {
-        x
-    } else {
-        2_147_483_520.0
-    };
-    #[cfg(target_arch = "spirv")]
-    {
-        x as u32
-    }
-    #[cfg(not(target_arch = "spirv"))]
-    {
-        // SAFETY: `x` is not a NaN and has been brought into the range of the integer.
-        unsafe { x.to_int_unchecked::<i32>() as u32 }
-    }
-}
-
-/// The whole number `x` within 2^30 from zero, nearer ends for numbers beyond, the lower one for a NaN. See [`to_index`].
-#[inline]
-pub fn to_integer(x: f32) -> i32 {
-    const END: f32 = 1_073_741_824.0;
-    let x = if x > -END { x } else { -END };
-    let x = if x < END { x } else { END };
-    #[cfg(target_arch = "spirv")]
-    {
-        x as i32
-    }
-    #[cfg(not(target_arch = "spirv"))]
-    {
-        // SAFETY: `x` is not a NaN and has been brought into the range of the integer.
-        unsafe { x.to_int_unchecked::<i32>() }
-    }
-}
-
-/// Arc tangent of `y / x` in the right quadrant, in (-pi, pi]; relative error below 3e-7. Zero at the origin; the sign of
-/// a zero `y` counts as positive.
-///
-/// An odd polynomial in the ratio of the smaller to the larger magnitude, which needs no table and no call; the
-/// coefficients minimise the largest relative error over [0, 1].
-#[cfg_attr(not(target_arch = "spirv"), inline)]
-pub fn atan2(y: f32, x: f32) -> f32 {
-    let (a, b) = (abs(x), abs(y));
-    let is_steep = b > a;
-    let (small, large) = if is_steep { (a, b) } else { (b, a) };
-    if !(large > 0.0) {
-        return 0.0;
-    }
-    let t = small / large;
-    let z = t * t;
-    let z2 = z * z;
-    let low = (1.0 - z * 0.333_330_72) + z2 * (0.199_926_2 - z * 0.142_036_44);
-    let high = (0.106_409_29 - z * 0.075_042_814) + z2 * (0.042_691_343 - z * 0.016_068_509);
-    let z4 = z2 * z2;
-    let mut angle = t * (low + z4 * (high + z4 * 0.002_849_857_6));
-    if is_steep {
-        angle = core::f32::consts::FRAC_PI_2 - angle;
-    }
-    if x < 0.0 {
-        angle = core::f32::consts::PI - angle;
-    }
-    with_sign_of(angle, y)
-}
-
-/// Square.
-#[inline]
-pub fn sqr(x: f32) -> f32 {
-    x * x
-}
-
-/// Square root of the positive part.
-#[inline]
-pub fn safe_sqrt(x: f32) -> f32 {
-    sqrt(if x > 0.0 { x } else { 0.0 })
-}
-
-/// Fused name for `a + t (b - a)`.
-#[inline]
-pub fn lerp(a: f32, b: f32, t: f32) -> f32 {
-    a + t * (b - a)
-}
-
-/// Magnitude of `x` with the sign of `s`; the sign of zero counts as positive.
-#[inline]
-pub fn with_sign_of(x: f32, s: f32) -> f32 {
-    if s < 0.0 { -abs(x) } else { abs(x) }
-}
-
-/// Whether `x` is neither an infinity nor a NaN.
-#[inline]
-pub fn is_finite(x: f32) -> bool {
-    abs(x) <= f32::MAX
 }
 
 /// `exp(x) - 1` without its cancellation near zero, for `x <= 80`; relative error below 3e-7.

@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 use halflight::commands::terminal::{self, Verbosity};
-use halflight::commands::{compare, experiment, farm, info, material, merge, processor, render};
+use halflight::commands::{
+    compare, experiment, farm, info, material, merge, processor, render, strategy_sheet,
+};
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -42,7 +44,10 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     match cli.command {
-        Command::Render(args) => render::run(&args, cli.verbosity.quiet),
+        Command::Render(args) => match &args.estimator.strategy_sheet {
+            Some(sheet) => strategy_sheet::run(&args, sheet, cli.verbosity.quiet),
+            None => render::run(&args, cli.verbosity.quiet),
+        },
         Command::Info(args) => info::run(&args),
         Command::Material(args) => material::run(&args, cli.verbosity.quiet),
         Command::Compare(args) => Ok(compare::run(&args)?),

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use halflight::material::curves::Probe;
-use halflight::material::gallery::{EXAMPLES, Example, PICTURE, contact_sheet};
+use halflight::material::examples::{EXAMPLES, Example};
+use halflight::material::gallery::{PICTURE, contact_sheet};
 use halflight::material::preview::Preview;
 use halflight::material::sheet;
 use halflight::material::source::{self, Source};

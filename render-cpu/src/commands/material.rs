@@ -1,7 +1,8 @@
 //! `halflight material`: what a material looks like before a scene is rendered with it.
 
 use crate::image::png_output::write_png_bytes;
-use crate::material::gallery::{EXAMPLES, contact_sheet};
+use crate::material::examples::EXAMPLES;
+use crate::material::gallery::contact_sheet;
 use crate::material::preview::Preview;
 use crate::material::{sheet, source};
 use clap::Args;

@@ -14,5 +14,5 @@ mod render_observer;
 mod render_output;
 mod render_values;
 pub mod scene_args;
-mod strategy_sheet;
+pub mod strategy_sheet;
 pub mod terminal;

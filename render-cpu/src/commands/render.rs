@@ -4,7 +4,6 @@ use super::estimator_args::EstimatorArgs;
 use super::render_observer::RunObserver;
 use super::render_values::{parse_aov, parse_duration, parse_exposure, parse_range};
 use super::scene_args::{SceneArgs, build_accel};
-use super::strategy_sheet;
 use crate::accel::Accel;
 use crate::film::Film;
 use crate::film::aov::{Aov, AovSet};
@@ -89,10 +88,6 @@ pub struct RenderArgs {
 /// # Errors
 /// What keeps the image from being made or written, in one sentence.
 pub fn run(args: &RenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
-    if let Some(sheet) = &args.estimator.strategy_sheet {
-        args.set_threads()?;
-        return strategy_sheet::run(args, sheet, quiet);
-    }
     run_with(args, quiet, |job, film, state, stop, observer| {
         render(
             job.scene,
@@ -255,7 +250,7 @@ pub fn run_with(
 }
 
 impl RenderArgs {
-    fn set_threads(&self) -> Result<(), rayon::ThreadPoolBuildError> {
+    pub(super) fn set_threads(&self) -> Result<(), rayon::ThreadPoolBuildError> {
         match self.threads {
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)

@@ -28,11 +28,12 @@ impl Observer for SheetObserver {
 ///
 /// # Errors
 /// What keeps the sheet from being made or written, in one sentence.
-pub(super) fn run(
+pub fn run(
     args: &RenderArgs,
     output: &Path,
     quiet: bool,
 ) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    args.set_threads()?;
     let name = output.display();
     if output
         .extension()

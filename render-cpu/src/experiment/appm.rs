@@ -4,8 +4,9 @@
 //! the origin is 1/4 and its Laplacian is c. Plain progressive photon mapping is run over alpha; the adaptive method
 //! with the kernel's variance and with that of equation 5.12 is held against fixed first radii.
 
+use super::fit::log_slope;
+use super::report::Report;
 use super::search::Random;
-use super::{Report, log_slope};
 use crate::plot::{Mark, Plot, Scale, Series};
 use glam::Vec2;
 use halflight_kernel::regularize::mollifier::{self, PERLIN};

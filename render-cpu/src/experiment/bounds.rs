@@ -6,7 +6,7 @@
 //! where the bound is tight, until the lobe's own roughness takes over. Refraction is searched in units of the roughness,
 //! so that its peak at normal incidence is not lost when it narrows.
 
-use super::Report;
+use super::report::Report;
 use super::search::maximize;
 use crate::plot::{Mark, Plot, Scale, Series};
 use glam::{DVec3, Vec2, Vec3};

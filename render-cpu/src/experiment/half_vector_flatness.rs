@@ -12,7 +12,7 @@
 //!   variance of the logarithm of the contribution that is not a sum of functions of one of them is the interaction; 0
 //!   when the dimensions are independent factors.
 
-use super::Report;
+use super::report::Report;
 use super::search::Random;
 use crate::plot::{Mark, Plot, Scale, Series};
 use glam::{DMat2, DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};

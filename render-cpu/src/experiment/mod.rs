@@ -7,30 +7,13 @@
 pub mod appm;
 pub mod bounds;
 pub mod convergence;
+mod fit;
 pub mod half_vector_flatness;
 pub mod mollified_estimator;
+mod report;
 pub mod search;
 
-use crate::plot::Plot;
-
-/// What an experiment found.
-#[derive(Clone, Debug)]
-pub struct Report {
-    /// Tables and what they show.
-    pub text: String,
-    /// Diagrams.
-    pub plots: Vec<Plot>,
-    /// Numbers by name, for tests.
-    pub figures: Vec<(String, f64)>,
-}
-
-impl Report {
-    /// A figure by its name.
-    pub fn figure(&self, name: &str) -> Option<f64> {
-        let found = self.figures.iter().find(|(n, _)| n == name);
-        found.map(|(_, value)| *value)
-    }
-}
+pub use report::Report;
 
 /// An experiment that the command can run.
 pub struct Experiment {
@@ -65,17 +48,3 @@ pub const ALL: [Experiment; 4] = [
         run: half_vector_flatness::run,
     },
 ];
-
-/// Slope of `y` over `x` in logarithms, by least squares.
-pub(crate) fn log_slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let (mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0);
-    for &(x, y) in points {
-        let (x, y) = (x.ln(), y.abs().max(1e-300).ln());
-        sx += x;
-        sy += y;
-        sxx += x * x;
-        sxy += x * y;
-    }
-    (n * sxy - sx * sy) / (n * sxx - sx * sx)
-}

@@ -4,8 +4,9 @@
 //! The estimator draws x uniformly on [-1, 1]^d and averages `phi_{r_n}(x) g(x) / p` with `r_n = r_0 n^-lambda`. Bias
 //! is summed from the expectation of each sample (quadrature), variance and error are measured over independent runs.
 
+use super::fit::log_slope;
+use super::report::Report;
 use super::search::Random;
-use super::{Report, log_slope};
 use crate::plot::{Mark, Plot, Scale, Series};
 use halflight_kernel::regularize::bandwidth::{
     is_consistent, largest_exponent, optimal_exponent, power_law,

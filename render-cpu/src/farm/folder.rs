@@ -1,6 +1,6 @@
 //! A farm's folder: its plan, and where films and logs are.
 
-use super::FarmError;
+use super::error::FarmError;
 use super::plan::Plan;
 use crate::atomic_file::write_atomically;
 use crate::bytes::read_file;

@@ -10,7 +10,7 @@
 //! as tasks too. A node that is there, made from the same digests, is not made again: after a task was repeated only its
 //! ancestors are. The shape of the tree depends on the plan alone, and so does the image, to the last bit.
 
-use super::FarmError;
+use super::error::FarmError;
 use super::folder::Folder;
 use super::plan::Plan;
 use super::record::Record;

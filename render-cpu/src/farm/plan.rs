@@ -11,7 +11,7 @@
 //! The plan holds the settings of the run as a checkpoint does. Every task compares them with those of the scene that it has
 //! loaded: a scene that was edited in between, or another version of the program, is refused.
 
-use super::FarmError;
+use super::error::FarmError;
 use crate::film::aov::{Aov, AovSet};
 use crate::film::checkpoint::{Settings, settings_differences};
 use crate::image::metadata::SampleRange;

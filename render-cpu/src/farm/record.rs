@@ -3,7 +3,7 @@
 //! A record is written after its film, both atomically, and stands beside it as `NAME.json`. A film without a record is not
 //! finished; one whose bytes are not those of the record is *torn*: cut off by a full disk, damaged in transfer, replaced.
 
-use super::FarmError;
+use super::error::FarmError;
 use crate::atomic_file::write_atomically;
 use crate::bytes::read_file;
 use crate::film::Film;

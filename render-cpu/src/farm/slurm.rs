@@ -13,10 +13,10 @@
 //!
 //! Slurm's arrays end at `MaxArraySize`, 1001 by default: larger farms are several arrays.
 
-use super::FarmError;
+use super::error::FarmError;
 use super::folder::Folder;
 use super::plan::Plan;
-use super::status::ranges;
+use super::ranges::ranges;
 use crate::atomic_file::write_atomically;
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -4,7 +4,7 @@
 //! the checkpoint where there is a sound one; else from the start. A checkpoint that is damaged, or a finished film that is
 //! not what its record says, is removed: its samples are a function of scene, seed and index, so nothing is lost but time.
 
-use super::FarmError;
+use super::error::FarmError;
 use super::folder::Folder;
 use super::plan::{Division, Plan};
 use super::record::{Record, record_file};

@@ -4,6 +4,7 @@
 //! samples lobes, albedo and local roughness, [`sheet`] draws all of it, and [`gallery`] draws the ball in many materials.
 
 pub mod curves;
+pub mod examples;
 pub mod gallery;
 pub mod preview;
 pub mod sheet;

@@ -4,7 +4,7 @@
 //! pasted into the preview scene: so it is read as it would be where it came from. Definitions in included files are not
 //! found.
 
-use super::gallery::EXAMPLES;
+use super::examples::EXAMPLES;
 use crate::bytes::read_file;
 use crate::scene::error::suggestion;
 use crate::scene::ior;
@@ -71,7 +71,7 @@ pub enum SourceError {
 /// When there is none.
 pub fn find(name: &str, id: Option<&str>) -> Result<Source, SourceError> {
     if let Some(example) = EXAMPLES.iter().find(|e| e.name.eq_ignore_ascii_case(name)) {
-        return Ok(example.source());
+        return Ok(inline(example.name, example.bsdf));
     }
     let path = Path::new(name);
     if path.is_file() {

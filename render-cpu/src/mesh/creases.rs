@@ -7,7 +7,7 @@
 //!
 //! Invariant (tests): at an angle of 0 every face is flat, at 180 degrees no edge is sharp.
 
-use super::materials::{pick, pick_attributes};
+use super::part::{gather, gather_attributes};
 use super::{Mesh, face_normal, to_f64};
 use std::collections::HashMap;
 
@@ -49,9 +49,9 @@ impl Mesh {
                 });
             }
         }
-        self.positions = pick(&self.positions, &vertices);
-        self.uvs = pick(&self.uvs, &vertices);
-        self.vertex_attributes = pick_attributes(&self.vertex_attributes, &vertices);
+        self.positions = gather(&self.positions, &vertices);
+        self.uvs = gather(&self.uvs, &vertices);
+        self.vertex_attributes = gather_attributes(&self.vertex_attributes, &vertices);
         self.normals.clear();
         self.triangles = triangles;
     }

@@ -18,6 +18,7 @@ mod creases;
 mod error;
 mod materials;
 pub mod obj;
+mod part;
 pub mod ply;
 mod ply_header;
 mod ply_values;

@@ -18,7 +18,7 @@
 //! vertex, and its typed elements leave to the caller what is most of the work here: columns that are grouped at run time
 //! by their names. What is left over, the header, is the smaller part.
 
-use super::materials::{pick, pick_attributes};
+use super::part::{gather, gather_attributes};
 use super::ply_header::{Element, Header, Property, Scalar};
 use super::ply_values::Values;
 use super::text::plain;
@@ -290,9 +290,9 @@ impl CornerUvs {
             return;
         }
         let places: Vec<usize> = self.vertices.iter().map(|(i, _)| *i as usize).collect();
-        mesh.positions = pick(&mesh.positions, &places);
-        mesh.normals = pick(&mesh.normals, &places);
-        mesh.vertex_attributes = pick_attributes(&mesh.vertex_attributes, &places);
+        mesh.positions = gather(&mesh.positions, &places);
+        mesh.normals = gather(&mesh.normals, &places);
+        mesh.vertex_attributes = gather_attributes(&mesh.vertex_attributes, &places);
         mesh.uvs = self.vertices.iter().map(|(_, uv)| *uv).collect();
     }
 }

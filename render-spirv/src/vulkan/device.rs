@@ -3,9 +3,9 @@
 //! What it can do is said beside what it is done to: buffers in [`super::memory`], entry points in [`super::pipeline`],
 //! work in `submission`.
 
+use super::allocations::Allocations;
 use super::error::{VulkanError, call};
 use super::instance::{DeviceDescription, Instance};
-use super::memory::Allocations;
 use ash::vk;
 use std::sync::{Arc, Mutex};
 

@@ -5,7 +5,7 @@ use super::error::{VulkanError, call};
 use ash::vk;
 use bytemuck::{NoUninit, Pod};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// Where a buffer lives.
@@ -15,42 +15,6 @@ pub enum Memory {
     Device,
     /// Readable and writable by the host, and visible to the device.
     Host,
-}
-
-/// What a device's buffers take.
-#[derive(Debug)]
-pub(super) struct Allocations {
-    used: AtomicU64,
-    peak: AtomicU64,
-    /// More than this counts as out of memory.
-    limit: AtomicU64,
-}
-
-impl Default for Allocations {
-    fn default() -> Allocations {
-        Allocations {
-            used: AtomicU64::new(0),
-            peak: AtomicU64::new(0),
-            limit: AtomicU64::new(u64::MAX),
-        }
-    }
-}
-
-impl Allocations {
-    /// Counts an allocation, unless it goes beyond the limit.
-    fn add(&self, bytes: u64) -> bool {
-        let used = self.used.fetch_add(bytes, Ordering::Relaxed) + bytes;
-        if used > self.limit.load(Ordering::Relaxed) {
-            self.remove(bytes);
-            return false;
-        }
-        self.peak.fetch_max(used, Ordering::Relaxed);
-        true
-    }
-
-    fn remove(&self, bytes: u64) {
-        self.used.fetch_sub(bytes, Ordering::Relaxed);
-    }
 }
 
 /// A buffer with memory of its own.

@@ -4,6 +4,7 @@
 //! their device alive, and no buffer is touched by the host while a submission runs, because every submission is waited
 //! for before the call returns.
 
+mod allocations;
 pub mod device;
 pub mod error;
 pub mod instance;

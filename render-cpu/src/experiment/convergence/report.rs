@@ -2,7 +2,7 @@
 
 use super::errors::{Errors, Reference};
 use super::{Outcome, Point};
-use crate::experiment::log_slope;
+use crate::experiment::fit::log_slope;
 use crate::plot::{Mark, Plot, Scale, Series};
 use serde_json::{Value, json};
 use std::fmt::Write;

@@ -13,7 +13,7 @@
 //!
 //! Up is +y before version 2 and +z from then on. The sun of every version is that of 0.6; Mitsuba 3 has another.
 
-use super::Builder;
+use super::builder::Builder;
 use super::emitter::empty;
 use crate::image::{Bitmap, Texels};
 use crate::scene::color::ColorUse;

@@ -1,7 +1,8 @@
 //! Emitter plugins to records, with their sampling tables.
 
-use super::Builder;
-use super::texture::{MeshAttributes, Reading, expect_constant};
+use super::builder::Builder;
+use super::reading::Reading;
+use super::texture::{MeshAttributes, expect_constant};
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::transform;

@@ -3,7 +3,7 @@
 //! Some integrators stand around others and add to what those compute: `aov`, `moment`, `adaptive`, `irrcache`, and
 //! `multichannel` with its `field`s. The one inside runs, with its own parameters; what is added becomes layers of the image.
 
-use super::BuildOptions;
+use super::options::BuildOptions;
 use crate::film::aov::{Aov, AovSet};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};

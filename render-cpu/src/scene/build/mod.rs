@@ -3,41 +3,29 @@
 //! One pass over the tree: each plugin of each kind has one function here that reads its properties, fills records and
 //! says in an error or a warning what it cannot do. Objects that several others refer to are built once.
 
+mod builder;
 mod daylight;
 mod emitter;
+mod film;
 mod integrator;
 mod material;
+mod options;
+mod reading;
 mod selection;
 mod sensor;
 mod shape;
 mod texture;
 
-use crate::accel::GroupRange;
 use crate::film::aov::AovSet;
 use crate::scene::error::{SceneError, Warning};
 use crate::scene::tables::SceneTables;
 use crate::scene::xml::unused::warn_unused;
 use crate::scene::xml::{Object, ObjectKind, ParsedScene};
-use halflight_kernel::scene::{Camera, NONE, SceneInfo};
 use halflight_kernel::transport::IntegratorSettings;
-use std::collections::HashMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-pub use sensor::{Crop, FilmOverride};
-
-/// What the command line changes about a scene.
-#[derive(Clone, Debug, Default)]
-pub struct BuildOptions {
-    /// Size and crop of the film.
-    pub film: FilmOverride,
-    /// Integrator instead of the scene's.
-    pub integrator: Option<String>,
-    /// Sampler instead of the scene's.
-    pub sampler: Option<String>,
-    /// Which of several sensors, counted from 0 in the order of the file.
-    pub sensor: usize,
-}
+use builder::Builder;
+pub use options::{BuildOptions, Crop, FilmOverride};
 
 /// A scene that is ready to be rendered.
 #[derive(Clone, Debug)]
@@ -107,65 +95,6 @@ pub fn integrator_settings(
 ) -> Result<(IntegratorSettings, String), SceneError> {
     let integrator = integrator::build(&parsed.root, options)?;
     Ok((integrator.settings, integrator.name))
-}
-
-/// State while the tables grow.
-struct Builder {
-    tables: SceneTables,
-    /// Materials by object index.
-    materials: HashMap<usize, u32>,
-    /// The material of shapes that name none: plain, of emitters, and of boundaries of media.
-    default_materials: [Option<u32>; 3],
-    /// Textures by object index.
-    textures: HashMap<usize, u32>,
-    /// Bitmaps by file and how it is read: first word, width, height, format.
-    bitmaps: HashMap<(PathBuf, texture::Reading), [u32; 4]>,
-    /// Shape groups by object index.
-    groups: HashMap<usize, u32>,
-    /// Tables of rough transmittance by distribution, whether a texture gives the roughness, its bits, and the index's.
-    transmittance_tables: HashMap<(u32, bool, u32, u32), material::TransmittanceTable>,
-}
-
-impl Builder {
-    fn new(camera: Camera) -> Builder {
-        let data = (0..256)
-            .map(|i| crate::scene::color::srgb_to_linear(f64::from(i) / 255.0) as f32)
-            .collect();
-        Builder {
-            tables: SceneTables {
-                positions: Vec::new(),
-                normals: Vec::new(),
-                uvs: Vec::new(),
-                triangles: Vec::new(),
-                quadrics: Vec::new(),
-                shapes: Vec::new(),
-                instances: Vec::new(),
-                materials: Vec::new(),
-                lobes: Vec::new(),
-                factors: Vec::new(),
-                frame_maps: Vec::new(),
-                textures: Vec::new(),
-                texels: Vec::new(),
-                data,
-                emitters: Vec::new(),
-                camera,
-                info: SceneInfo {
-                    center: [0.0; 3],
-                    radius: 1.0,
-                    environment: NONE,
-                    srgb_table: 0,
-                    flags: 0,
-                },
-                groups: vec![GroupRange::default()],
-            },
-            materials: HashMap::new(),
-            default_materials: [None; 3],
-            textures: HashMap::new(),
-            bitmaps: HashMap::new(),
-            groups: HashMap::new(),
-            transmittance_tables: HashMap::new(),
-        }
-    }
 }
 
 /// Plugins below `root` in alphabetical order; an object that is referred to several times counts once.

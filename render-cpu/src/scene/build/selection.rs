@@ -1,6 +1,6 @@
 //! The last step: bounds of the scene and the probabilities of choosing each emitter.
 
-use super::Builder;
+use super::builder::Builder;
 use crate::accel::GroupRange;
 use crate::mesh::MIN_SHARE;
 use crate::scene::error::SceneError;

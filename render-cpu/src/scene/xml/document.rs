@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use super::element::Element;
 use super::object::ObjectKind;
+use super::object::Value;
 use super::upgrade;
-use super::value::Value;
 use crate::scene::error::{Location, SceneError};
 
 /// A value, or a link to an object.

@@ -9,8 +9,9 @@
 //! derives from values is derived anew. Invariant (tests): its tables are those of a file in which the values were changed.
 
 use super::ParsedScene;
+use super::object::Value;
 use super::object::{Object, Properties, Property};
-use super::value::{Spectrum, Value};
+use super::value::Spectrum;
 use crate::scene::color::read_samples;
 use crate::scene::error::{Diagnostics, SceneError, suggestion};
 use std::collections::{BTreeMap, HashMap, HashSet};

@@ -2,9 +2,10 @@
 
 use super::element::Element;
 use super::numbers::{self, shortened};
+use super::object::Value;
 use super::source;
 use super::transforms;
-use super::value::{Color, Spectrum, Value};
+use super::value::{Color, Spectrum};
 use crate::scene::color;
 use crate::scene::error::{SceneError, searched};
 

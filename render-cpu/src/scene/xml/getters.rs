@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use glam::DMat4;
 
+use super::object::Value;
 use super::object::{Object, ObjectKind, Property};
-use super::value::Value;
 use crate::scene::color::{self, ColorUse};
 use crate::scene::error::SceneError;
 

@@ -12,9 +12,9 @@ use roxmltree::Node;
 use super::document::{Document, RawObject, RawValue};
 use super::element::Element;
 use super::object::ObjectKind;
+use super::object::Value;
 use super::parameters::Parameters;
 use super::source::Source;
-use super::value::Value;
 use super::{elements, limits, transforms};
 use crate::scene::error::{Diagnostics, SceneError, suggestion};
 

@@ -30,8 +30,8 @@ pub(crate) use source::read_text;
 
 pub use edit::NamedValue;
 pub use getters::{ColorSource, FloatSource};
-pub use object::{Child, Object, ObjectKind, Properties, Property};
-pub use value::{Color, Spectrum, Value};
+pub use object::{Child, Object, ObjectKind, Properties, Property, Value};
+pub use value::{Color, Spectrum};
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Objects and their properties.
+//! Objects, their properties, and the values that these take, other objects among them.
 //!
 //! An [`Object`] is shared (`Arc`) by everything that refers to it; its `index` tells objects apart, so that a builder
 //! can build each once. Looking at a property marks it as used.
@@ -9,7 +9,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::value::Value;
+use glam::DMat4;
+
+use super::value::{Color, Spectrum};
 use crate::scene::error::{Diagnostics, Location, SceneError, searched};
 use crate::scene::kept_files::KeptFiles;
 
@@ -83,6 +85,57 @@ impl ObjectKind {
 impl fmt::Display for ObjectKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.element())
+    }
+}
+
+/// The value of a property.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// `<boolean>`.
+    Bool(bool),
+    /// `<integer>`.
+    Int(i64),
+    /// `<float>`; finite, and in the range of f32.
+    Float(f64),
+    /// `<string>`.
+    String(String),
+    /// `<point>`.
+    Point([f64; 3]),
+    /// `<vector>`.
+    Vector([f64; 3]),
+    /// `<rgb>` and `<srgb>`.
+    Rgb(Color),
+    /// `<spectrum>` without a type.
+    Spectrum(Spectrum),
+    /// `<blackbody>` of 0.6: Planck's law at a temperature in kelvin, times a factor.
+    Blackbody {
+        /// Kelvin.
+        temperature: f64,
+        /// Factor on the radiance.
+        scale: f64,
+    },
+    /// `<transform>`, composed.
+    Transform(DMat4),
+    /// A nested object, or a reference to one elsewhere.
+    Object(Arc<Object>),
+}
+
+impl Value {
+    /// What the value is, for messages: "a string".
+    pub fn describe(&self) -> String {
+        match self {
+            Value::Bool(_) => "a boolean".into(),
+            Value::Int(_) => "an integer".into(),
+            Value::Float(_) => "a float".into(),
+            Value::String(_) => "a string".into(),
+            Value::Point(_) => "a point".into(),
+            Value::Vector(_) => "a vector".into(),
+            Value::Rgb(_) => "an RGB colour".into(),
+            Value::Spectrum(_) => "a spectrum".into(),
+            Value::Blackbody { .. } => "a blackbody spectrum".into(),
+            Value::Transform(_) => "a transform".into(),
+            Value::Object(object) => format!("a {} of type \"{}\"", object.kind, object.plugin),
+        }
     }
 }
 

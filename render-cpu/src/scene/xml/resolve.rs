@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::document::{Document, RawObject, RawValue};
 use super::limits;
+use super::object::Value;
 use super::object::{Object, Properties, Property};
-use super::value::Value;
 use crate::scene::error::{Diagnostics, SceneError, suggestion};
 use crate::scene::kept_files::KeptFiles;
 

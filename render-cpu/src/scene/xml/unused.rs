@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::object::Object;
-use super::value::Value;
+use super::object::Value;
 use crate::scene::error::SceneError;
 
 /// Warns of every unused property of the objects that were looked at.

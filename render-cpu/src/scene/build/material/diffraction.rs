@@ -14,7 +14,7 @@
 //!
 //! All but the colours go into a table when the scene is built, so they are constants.
 
-use crate::scene::build::Builder;
+use crate::scene::build::builder::Builder;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 use halflight_kernel::bsdf::diffracting_conductor::fill_table;

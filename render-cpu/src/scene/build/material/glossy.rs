@@ -7,9 +7,9 @@
 //!
 //! As there, both reflectances are scaled where their sum may exceed one, to 0.99 of it.
 
+use super::context::{Context, PendingLobe};
 use super::parameters::empty_lobe;
-use super::{Context, PendingLobe};
-use crate::scene::build::Builder;
+use crate::scene::build::builder::Builder;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;

@@ -1,8 +1,8 @@
 //! Dielectric layers: the coats above other BSDFs, the absorption in a layer, and tables of rough transmittance.
 
+use super::context::{Context, PendingLobe, nested_bsdfs};
 use super::parameters::{empty_lobe, relative_index};
-use super::{Context, PendingLobe, nested_bsdfs};
-use crate::scene::build::Builder;
+use crate::scene::build::builder::{Builder, TransmittanceTable};
 use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
@@ -17,42 +17,6 @@ use std::sync::Arc;
 
 /// What coats are made of when nothing is said.
 const BK7: &str = "bk7";
-
-/// The coats above a lobe, outermost first, and the perturbed frame that they follow.
-#[derive(Clone, Default)]
-pub(super) struct Coats {
-    records: Vec<CoatRecord>,
-    frame: u32,
-}
-
-impl Coats {
-    /// Writes the coats into a lobe that has its frame.
-    pub(super) fn apply(&self, object: &Object, record: &mut LobeRecord) -> Result<(), SceneError> {
-        if self.records.is_empty() {
-            return Ok(());
-        }
-        record.coat_count = self.records.len() as u32;
-        record.coats[..self.records.len()].copy_from_slice(&self.records);
-        if self.frame != record.frame {
-            if self.frame != NONE {
-                return Err(object.error(
-                    "a coating inside one normal or bump map and around another is not supported",
-                ));
-            }
-            record.flags |= lobe_flag::COATS_OUTSIDE_FRAME;
-        }
-        Ok(())
-    }
-}
-
-/// A place in the data table.
-#[derive(Clone, Copy)]
-pub(in crate::scene::build) struct TransmittanceTable {
-    pub first: u32,
-    pub rows: u32,
-    /// At the roughness of a table of one row.
-    pub internal_reflectance: f32,
-}
 
 impl Builder {
     /// `coating` and `roughcoating`: the coat's own reflection, and the nested BSDF below the coat.

@@ -3,7 +3,7 @@
 use super::parameters::{empty_lobe, relative_index};
 use crate::bytes::read_file;
 use crate::measured::merl::{self, Merl};
-use crate::scene::build::Builder;
+use crate::scene::build::builder::Builder;
 use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;

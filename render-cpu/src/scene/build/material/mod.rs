@@ -1,9 +1,10 @@
 //! Materials: nested BSDF plugins flattened into weighted lobes.
 //!
 //! A wrapper does not become a record of its own: `blendbsdf` and `mask` multiply the weights of the lobes below them,
-//! `twosided` sets on which side they exist, `coating` and `roughcoating` put coats above them, `normalmap` and `bumpmap` give them a perturbed frame. What is left is a
-//! list of lobes, which the kernel walks without recursion.
+//! `twosided` sets on which side they exist, `coating` and `roughcoating` put coats above them, `normalmap` and
+//! `bumpmap` give them a perturbed frame. The result is a flat list of lobes, which the kernel evaluates without recursion.
 
+mod context;
 mod diffraction;
 mod glossy;
 mod layered;
@@ -11,50 +12,18 @@ mod leaf;
 mod parameters;
 mod principled;
 
-use super::Builder;
+use super::builder::Builder;
 use super::texture::MeshAttributes;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind, Value};
+use context::{Coats, Context, PendingLobe, nested_bsdfs};
 use halflight_kernel::scene::{
     FrameMap, LobeRecord, MAX_LOBES, Material, NONE, RgbParameter, ScalarParameter, WeightFactor,
     frame_map_kind, lobe_flag, lobe_kind,
 };
 use halflight_kernel::transport::wavefront::bsdf_variant;
-use layered::Coats;
-pub(super) use layered::TransmittanceTable;
 use parameters::empty_lobe;
 use std::sync::Arc;
-
-/// What the wrappers around a BSDF have decided.
-#[derive(Clone)]
-struct Context<'a> {
-    factors: Vec<WeightFactor>,
-    sides: u32,
-    frame: u32,
-    coats: Coats,
-    mesh: Option<&'a MeshAttributes>,
-    depth: usize,
-}
-
-/// A lobe before its factors have a place in the table.
-struct PendingLobe {
-    record: LobeRecord,
-    factors: Vec<WeightFactor>,
-}
-
-impl PendingLobe {
-    /// Whether light passes through the surface.
-    fn transmits(&self) -> bool {
-        matches!(
-            self.record.kind,
-            lobe_kind::DIELECTRIC
-                | lobe_kind::THIN_DIELECTRIC
-                | lobe_kind::ROUGH_DIELECTRIC
-                | lobe_kind::DIFFUSE_TRANSMISSION
-                | lobe_kind::NULL
-        )
-    }
-}
 
 /// Deeper nesting is a mistake or an attack.
 const MAX_DEPTH: usize = 32;
@@ -332,28 +301,4 @@ fn mixture_weights(object: &Object, count: usize) -> Result<Vec<f32>, SceneError
         weights.iter_mut().for_each(|weight| *weight /= sum);
     }
     Ok(weights)
-}
-
-/// The nested BSDFs of a wrapper, between `least` and `most` of them.
-fn nested_bsdfs(
-    object: &Object,
-    least: usize,
-    most: usize,
-) -> Result<Vec<Arc<Object>>, SceneError> {
-    let nested: Vec<_> = object
-        .children_of(ObjectKind::Bsdf)
-        .map(|child| child.object.clone())
-        .collect();
-    if nested.len() < least || nested.len() > most {
-        let wanted = match most {
-            _ if least == most => format!("{least}"),
-            usize::MAX => format!("at least {least}"),
-            _ => format!("{least} or {most}"),
-        };
-        return Err(object.error(format!(
-            "needs {wanted} nested BSDF(s), found {}",
-            nested.len()
-        )));
-    }
-    Ok(nested)
 }

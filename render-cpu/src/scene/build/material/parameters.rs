@@ -1,6 +1,6 @@
 //! Parameters that several BSDF plugins share: indices of refraction, roughness, and a neutral lobe to fill.
 
-use crate::scene::build::Builder;
+use crate::scene::build::builder::Builder;
 use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;

@@ -13,9 +13,9 @@
 //! and that of a metal with m; refraction from both sides, and reflection inside, with (1 - m) t; the clear coat on the
 //! outside. Their sum is the model of Mitsuba 3 (tested against its values).
 
+use super::context::{Context, PendingLobe};
 use super::parameters::empty_lobe;
-use super::{Context, PendingLobe};
-use crate::scene::build::Builder;
+use crate::scene::build::builder::Builder;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;

@@ -7,7 +7,7 @@
 
 use crate::image::{Bitmap, Texels};
 use crate::mesh::Mesh;
-use crate::scene::build::texture::Reading;
+use crate::scene::build::reading::Reading;
 use crate::scene::color::srgb_to_linear;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};

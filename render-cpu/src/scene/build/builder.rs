@@ -1,0 +1,80 @@
+//! The state of building a scene: the tables so far, and which objects they already hold.
+
+use super::reading::Reading;
+use crate::accel::GroupRange;
+use crate::scene::tables::SceneTables;
+use halflight_kernel::scene::{Camera, NONE, SceneInfo};
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+/// Where a table of rough transmittance lies in the data.
+#[derive(Clone, Copy)]
+pub(super) struct TransmittanceTable {
+    /// First word.
+    pub first: u32,
+    /// Number of rows: one for each roughness.
+    pub rows: u32,
+    /// At the roughness of a table of one row.
+    pub internal_reflectance: f32,
+}
+
+/// The growing tables, and what has been built already.
+pub(super) struct Builder {
+    /// The records so far.
+    pub tables: SceneTables,
+    /// Materials by object index.
+    pub materials: HashMap<usize, u32>,
+    /// The material of shapes that name none: plain, of emitters, and of boundaries of media.
+    pub default_materials: [Option<u32>; 3],
+    /// Textures by object index.
+    pub textures: HashMap<usize, u32>,
+    /// Bitmaps by file and how it is read: first word, width, height, format.
+    pub bitmaps: HashMap<(PathBuf, Reading), [u32; 4]>,
+    /// Shape groups by object index.
+    pub groups: HashMap<usize, u32>,
+    /// Tables of rough transmittance by distribution, whether a texture gives the roughness, its bits, and the index's.
+    pub transmittance_tables: HashMap<(u32, bool, u32, u32), TransmittanceTable>,
+}
+
+impl Builder {
+    /// Empty tables of a scene seen by a camera.
+    pub fn new(camera: Camera) -> Builder {
+        let data = (0..256)
+            .map(|i| crate::scene::color::srgb_to_linear(f64::from(i) / 255.0) as f32)
+            .collect();
+        Builder {
+            tables: SceneTables {
+                positions: Vec::new(),
+                normals: Vec::new(),
+                uvs: Vec::new(),
+                triangles: Vec::new(),
+                quadrics: Vec::new(),
+                shapes: Vec::new(),
+                instances: Vec::new(),
+                materials: Vec::new(),
+                lobes: Vec::new(),
+                factors: Vec::new(),
+                frame_maps: Vec::new(),
+                textures: Vec::new(),
+                texels: Vec::new(),
+                data,
+                emitters: Vec::new(),
+                camera,
+                info: SceneInfo {
+                    center: [0.0; 3],
+                    radius: 1.0,
+                    environment: NONE,
+                    srgb_table: 0,
+                    flags: 0,
+                },
+                groups: vec![GroupRange::default()],
+            },
+            materials: HashMap::new(),
+            default_materials: [None; 3],
+            textures: HashMap::new(),
+            bitmaps: HashMap::new(),
+            groups: HashMap::new(),
+            transmittance_tables: HashMap::new(),
+        }
+    }
+}

@@ -2,7 +2,8 @@
 //!
 //! A layer is one sample of every pixel. It is taken in slices, each a submission that is waited for: their size follows
 //! the device's speed, so that none takes long enough to trip a watchdog. A layer is added to the film when it is
-//! complete, in f64 as the CPU does it; a device that is lost in between leaves a film of complete layers.
+//! complete, in f64 as the CPU does it; a device that is lost in between, or a run that is to stop, leaves a film of complete
+//! layers.
 
 use crate::interface::{Dispatch, FEATURE_VECTORS, WORKGROUP, WorkItem};
 use crate::module::{self, StaleModule};
@@ -12,7 +13,7 @@ use crate::vulkan::{Buffer, Device, Memory, Pipeline, VulkanError};
 use halflight::accel::Accel;
 use halflight::film::Film;
 use halflight::film::aov::AovSample;
-use halflight::render::{Backend, PassError, RenderOptions};
+use halflight::render::{Backend, PassEnd, PassError, RenderOptions, Stop};
 use halflight::scene::build::Scene;
 use halflight_kernel::scene::features;
 use halflight_kernel::transport::integrator_kind;
@@ -182,8 +183,12 @@ impl DeviceBackend {
         self.lose_after = Some(layers);
     }
 
-    /// One sample of every listed pixel, in the order of the list.
-    fn layer(&mut self, list: &[WorkItem]) -> Result<Vec<Sample>, VulkanError> {
+    /// One sample of every listed pixel, in the order of the list; none if it is to stop before that.
+    fn layer(
+        &mut self,
+        list: &[WorkItem],
+        stop: &Stop<'_>,
+    ) -> Result<Option<Vec<Sample>>, VulkanError> {
         if let Some(left) = &mut self.lose_after {
             if *left == 0 {
                 return Err(VulkanError::DeviceLost(
@@ -195,6 +200,9 @@ impl DeviceBackend {
         let mut samples = Vec::with_capacity(list.len());
         let mut rest = list;
         while !rest.is_empty() {
+            if stop.is_urgent() {
+                return Ok(None);
+            }
             let count = (rest.len() as u32).min(self.slice);
             let (slice, after) = rest.split_at(count as usize);
             rest = after;
@@ -210,7 +218,7 @@ impl DeviceBackend {
                 self.slice = (self.slice / 2).max(WORKGROUP);
             }
         }
-        Ok(samples)
+        Ok(Some(samples))
     }
 
     /// The samples of one slice.
@@ -264,10 +272,14 @@ impl Backend for DeviceBackend {
         film: &mut Film,
         per_pixel: u32,
         counts: Option<&[u32]>,
-    ) -> Result<(), PassError> {
+        stop: &Stop<'_>,
+    ) -> Result<PassEnd, PassError> {
         let most = counts.map_or(per_pixel, |c| c.iter().copied().max().unwrap_or(0));
         let with_features = self.features.is_some();
         for layer in 0..most {
+            if layer > 0 && stop.is_set() {
+                return Ok(PassEnd::Cut);
+            }
             let list: Vec<WorkItem> = film
                 .statistics()
                 .iter()
@@ -279,7 +291,9 @@ impl Backend for DeviceBackend {
                     slot: 0,
                 })
                 .collect();
-            let samples = self.layer(&list)?;
+            let Some(samples) = self.layer(&list, stop)? else {
+                return Ok(PassEnd::Cut);
+            };
             let width = film.width();
             // The place of each pixel in the list; pixels that are not in it keep the end.
             let mut places = vec![u32::MAX; film.statistics().len()];
@@ -310,6 +324,6 @@ impl Backend for DeviceBackend {
                 }
             });
         }
-        Ok(())
+        Ok(PassEnd::Complete)
     }
 }

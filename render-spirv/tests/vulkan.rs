@@ -6,7 +6,7 @@ use common::device;
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
 use halflight::film::aov::{Aov, AovSet};
-use halflight::render::{Backend, CpuBackend, Goal, RenderOptions};
+use halflight::render::{Backend, CpuBackend, Goal, RenderOptions, Stop};
 use halflight::scene::build::Scene;
 use halflight_spirv::canary::loop_budget;
 use halflight_spirv::device_backend::{BackendError, DeviceBackend};
@@ -54,7 +54,7 @@ fn occlusion_is_that_of_the_processor() {
         let mut on_device = film();
         DeviceBackend::new(&device, &scene, &accel, &options, false)
             .expect("a pipeline")
-            .pass(&mut on_device, 4, None)
+            .pass(&mut on_device, 4, None, &Stop::NEVER)
             .expect("a pass");
         let mut on_cpu = film();
         CpuBackend {
@@ -62,7 +62,7 @@ fn occlusion_is_that_of_the_processor() {
             accel: &accel,
             options: &options,
         }
-        .pass(&mut on_cpu, 4, None)
+        .pass(&mut on_cpu, 4, None, &Stop::NEVER)
         .expect("a pass");
         let (mut difference, mut sum, mut outside) = (0.0, 0.0, 0);
         for (a, b) in on_device.mean().iter().zip(&on_cpu.mean()) {
@@ -85,7 +85,9 @@ fn a_lost_device_leaves_complete_layers() {
         DeviceBackend::new(&device, &scene, &accel, &options(), false).expect("a pipeline");
     backend.simulate_loss_after(2);
     let mut film = film();
-    let error = backend.pass(&mut film, 4, None).expect_err("a lost device");
+    let error = backend
+        .pass(&mut film, 4, None, &Stop::NEVER)
+        .expect_err("a lost device");
     assert!(error.to_string().contains("was lost"), "{error}");
     assert!(film.statistics().iter().all(|p| p.count == 2));
 }
@@ -177,7 +179,7 @@ fn surface_features_are_those_of_the_processor() {
         let mut on_device = Film::new(48, 48, [0, 0], aovs).expect("a film");
         DeviceBackend::new(&device, &scene, &accel, &options, true)
             .expect("a pipeline")
-            .pass(&mut on_device, 2, None)
+            .pass(&mut on_device, 2, None, &Stop::NEVER)
             .expect("a pass");
         let mut on_cpu = Film::new(48, 48, [0, 0], aovs).expect("a film");
         CpuBackend {
@@ -185,7 +187,7 @@ fn surface_features_are_those_of_the_processor() {
             accel: &accel,
             options: &options,
         }
-        .pass(&mut on_cpu, 2, None)
+        .pass(&mut on_cpu, 2, None, &Stop::NEVER)
         .expect("a pass");
         for layer in layers {
             let (mut difference, mut sum, mut outside) = (0.0, 0.0, 0);

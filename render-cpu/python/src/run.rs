@@ -10,7 +10,8 @@ use halflight::accel::Accel;
 use halflight::film::Film;
 use halflight::film::aov::AovSet;
 use halflight::render::{
-    Backend, CpuBackend, Goal, Observer, Outcome, PassError, RenderOptions, RunState, render_with,
+    Backend, CpuBackend, Goal, Observer, Outcome, PassEnd, PassError, RenderOptions, RunState,
+    Stop, render_with,
 };
 use halflight::scene::build::Scene;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -55,7 +56,8 @@ impl Backend for Interruptible<'_> {
         film: &mut Film,
         per_pixel: u32,
         counts: Option<&[u32]>,
-    ) -> Result<(), PassError> {
+        stop: &Stop<'_>,
+    ) -> Result<PassEnd, PassError> {
         let mut left = per_pixel;
         while left > 0 {
             let part = match (counts, self.seconds_per_sample) {
@@ -66,12 +68,14 @@ impl Backend for Interruptible<'_> {
             }
             .min(left);
             let start = Instant::now();
-            self.backend.pass(film, part, counts)?;
+            if self.backend.pass(film, part, counts, stop)? == PassEnd::Cut {
+                return Ok(PassEnd::Cut);
+            }
             self.seconds_per_sample = Some(start.elapsed().as_secs_f64() / f64::from(part));
             left -= part;
             Python::attach(|py| py.check_signals()).map_err(Raised)?;
         }
-        Ok(())
+        Ok(PassEnd::Complete)
     }
 }
 

@@ -12,7 +12,8 @@ use crate::accel::Accel;
 use crate::film::Film;
 use crate::film::checkpoint::{CheckpointError, load_checkpoint};
 use crate::render::{
-    Backend, CheckpointFile, CpuBackend, Observer, Outcome, PassError, RunState, render_with,
+    Backend, CheckpointFile, CpuBackend, Observer, Outcome, PassEnd, PassError, RunState, Stop,
+    render_with,
 };
 use std::io;
 use std::path::Path;
@@ -42,10 +43,13 @@ impl Backend for OwnPixels<'_> {
         &mut self,
         film: &mut Film,
         per_pixel: u32,
-        _: Option<&[u32]>,
-    ) -> Result<(), PassError> {
-        let counts: Vec<u32> = self.is_own.iter().map(|own| own * per_pixel).collect();
-        self.threads.pass(film, per_pixel, Some(&counts))
+        counts: Option<&[u32]>,
+        stop: &Stop<'_>,
+    ) -> Result<PassEnd, PassError> {
+        let wanted = |pixel: usize| counts.map_or(per_pixel, |counts| counts[pixel]);
+        let own = self.is_own.iter().enumerate();
+        let counts: Vec<u32> = own.map(|(pixel, own)| own * wanted(pixel)).collect();
+        self.threads.pass(film, per_pixel, Some(&counts), stop)
     }
 }
 

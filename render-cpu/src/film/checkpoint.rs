@@ -5,14 +5,15 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `HLFILM\r\n`; the line end catches transfers that rewrite text |
-//! | 4 | version of the layout, 1 |
+//! | 4 | version of the layout: 1, or 2 where samples are owed |
 //! | 4 | length of the header |
 //! | ... | header, JSON: settings of the run, progress, layout of the film |
 //! | 64 per pixel | count u32, rejected u32, then mean (3), m2 (3) and luminance m2 as f64 |
 //! | 8 per sum | sums of the output variables, f64 |
+//! | 4 per pixel | in version 2: samples that a pass which was cut still owes, u32 |
 //! | 4 | CRC-32 of everything before |
 //!
-//! Adaptive sampling keeps no state of its own: it is a function of the film.
+//! Adaptive sampling keeps no other state of its own: it is a function of the film between passes.
 //!
 //! A reader takes nothing on trust: the length of the file must be the one that the header implies before anything of
 //! that size is allocated, the checksum must agree, and every number must be one that a film can hold. A run with other
@@ -20,6 +21,7 @@
 
 use crate::atomic_file::{WriteError, write_atomically};
 use crate::film::aov::AovSet;
+use crate::film::owed::Owed;
 use crate::film::{Film, FilmError, PixelStatistics};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -29,10 +31,12 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: [u8; 8] = *b"HLFILM\r\n";
 const VERSION: u32 = 1;
+const VERSION_WITH_OWED: u32 = 2;
 const FIXED_LENGTH: u64 = 16;
 const CHECKSUM_LENGTH: u64 = 4;
 const PIXEL_LENGTH: usize = 64;
 const SUM_LENGTH: usize = 8;
+const OWED_LENGTH: usize = 4;
 const MAX_HEADER_LENGTH: u32 = 1 << 20;
 /// Pixels or sums that are converted at a time.
 const BATCH: usize = 4096;
@@ -60,6 +64,9 @@ struct Header {
     height: u32,
     crop_offset: [u32; 2],
     aovs: Vec<String>,
+    /// Samples per pixel of a pass that was cut.
+    #[serde(default)]
+    owed_per_pixel: u32,
 }
 
 /// Why a checkpoint cannot be used.
@@ -126,6 +133,11 @@ pub fn write_checkpoint(
             .iter()
             .map(|aov| aov.name().to_owned())
             .collect(),
+        owed_per_pixel: film.owed().map_or(0, |owed| owed.per_pixel),
+    };
+    let version = match film.owed() {
+        Some(_) => VERSION_WITH_OWED,
+        None => VERSION,
     };
     let header = serde_json::to_vec(&header)?;
     let header_length = u32::try_from(header.len())
@@ -140,7 +152,7 @@ pub fn write_checkpoint(
         stream.write_all(bytes)
     };
     put(&MAGIC)?;
-    put(&VERSION.to_le_bytes())?;
+    put(&version.to_le_bytes())?;
     put(&header_length.to_le_bytes())?;
     put(&header)?;
     let mut buffer = Vec::with_capacity(BATCH * PIXEL_LENGTH);
@@ -159,6 +171,17 @@ pub fn write_checkpoint(
         buffer.clear();
         for v in batch {
             buffer.extend_from_slice(&v.to_le_bytes());
+        }
+        put(&buffer)?;
+    }
+    for batch in film
+        .owed()
+        .map_or(&[][..], |owed| &owed.counts)
+        .chunks(BATCH)
+    {
+        buffer.clear();
+        for count in batch {
+            buffer.extend_from_slice(&count.to_le_bytes());
         }
         put(&buffer)?;
     }
@@ -243,9 +266,9 @@ pub fn read_checkpoint(
     let mut word = [0; 4];
     take(&mut word)?;
     let version = u32::from_le_bytes(word);
-    if version != VERSION {
+    if version != VERSION && version != VERSION_WITH_OWED {
         return Err(malformed(format!(
-            "the checkpoint has layout {version}, this program reads {VERSION}"
+            "the checkpoint has layout {version}, this program reads {VERSION} and {VERSION_WITH_OWED}"
         )));
     }
     take(&mut word)?;
@@ -269,7 +292,11 @@ pub fn read_checkpoint(
 
     // Nothing of the film's size is allocated before the file is known to hold it.
     let pixels = u64::from(header.width) * u64::from(header.height);
-    let bytes_per_pixel = (PIXEL_LENGTH + aovs.accumulators() * SUM_LENGTH) as u64;
+    let owes = version == VERSION_WITH_OWED;
+    let mut bytes_per_pixel = (PIXEL_LENGTH + aovs.accumulators() * SUM_LENGTH) as u64;
+    if owes {
+        bytes_per_pixel += OWED_LENGTH as u64;
+    }
     let expected = pixels.checked_mul(bytes_per_pixel).and_then(|bytes| {
         bytes.checked_add(FIXED_LENGTH + u64::from(header_length) + CHECKSUM_LENGTH)
     });
@@ -306,6 +333,20 @@ pub fn read_checkpoint(
                 return Err(damaged("an output variable is not finite"));
             }
         }
+    }
+    if owes {
+        let mut counts = vec![0; film.statistics().len()];
+        for batch in counts.chunks_mut(BATCH) {
+            let bytes = &mut buffer[..batch.len() * OWED_LENGTH];
+            take(bytes)?;
+            for (count, bytes) in batch.iter_mut().zip(bytes.chunks_exact(OWED_LENGTH)) {
+                *count = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+            }
+        }
+        *film.owed_mut() = Some(Owed {
+            per_pixel: header.owed_per_pixel,
+            counts,
+        });
     }
     let computed = checksum.sum();
     stream.read_exact(&mut word).map_err(read_error)?;

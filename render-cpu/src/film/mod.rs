@@ -11,10 +11,12 @@ pub mod adaptive;
 pub mod aov;
 pub mod checkpoint;
 pub mod exact_sum;
+pub mod owed;
 mod pixel_statistics;
 
 use aov::{Aov, AovSample, AovSet};
 use glam::Vec3;
+use owed::Owed;
 
 pub use pixel_statistics::{PixelStatistics, luminance};
 
@@ -39,6 +41,8 @@ pub struct Film {
     statistics: Vec<PixelStatistics>,
     /// Sums of the enabled output variables, `aovs.accumulators()` numbers per pixel.
     aov_sums: Vec<f64>,
+    /// What a pass that was cut still owes.
+    owed: Option<Owed>,
 }
 
 impl Film {
@@ -82,6 +86,7 @@ impl Film {
             aovs,
             statistics,
             aov_sums,
+            owed: None,
         })
     }
 
@@ -113,6 +118,21 @@ impl Film {
     /// Sums of the enabled output variables, `aovs().accumulators()` numbers per pixel, by rows.
     pub fn aov_sums(&self) -> &[f64] {
         &self.aov_sums
+    }
+
+    /// Samples that a pass which was cut still owes to the pixels.
+    pub fn owed(&self) -> Option<&Owed> {
+        self.owed.as_ref()
+    }
+
+    /// Takes or sets what is owed.
+    pub fn owed_mut(&mut self) -> &mut Option<Owed> {
+        &mut self.owed
+    }
+
+    /// Samples per pixel, on average.
+    pub fn mean_samples(&self) -> f64 {
+        self.total_samples() as f64 / self.statistics.len() as f64
     }
 
     /// Both raw buffers, for a reader that restores a film.

@@ -1,9 +1,10 @@
 //! Samples taken by all threads of the processor: a pass cut into tiles of the film.
 
-use super::backend::{Backend, PassError};
+use super::backend::{Backend, PassEnd, PassError};
 use super::options::{Outcome, RenderOptions, RunState};
 use super::run_loop::{NoObserver, Observer, render_with};
 use super::splatting::render_layers;
+use super::stop::Stop;
 use super::tile_job::{TileJob, Workspace};
 use crate::accel::Accel;
 use crate::film::aov::AovSet;
@@ -15,7 +16,7 @@ use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Side of the square of pixels that a thread takes at a time.
@@ -86,7 +87,8 @@ impl Backend for CpuBackend<'_> {
         film: &mut Film,
         per_pixel: u32,
         counts: Option<&[u32]>,
-    ) -> Result<(), PassError> {
+        stop: &Stop<'_>,
+    ) -> Result<PassEnd, PassError> {
         let tables = self.scene.tables.view();
         let traverse = self.accel.traverse(tables);
         let view = SceneView {
@@ -95,10 +97,12 @@ impl Backend for CpuBackend<'_> {
         };
         let (settings, options) = (&self.scene.settings, self.options);
         let is_sobol = self.scene.sampler == sampler_kind::SOBOL;
-        match shape(settings.kind) {
+        Ok(match shape(settings.kind) {
             Shape::Pixels => {
                 let kind = self.scene.sampler;
-                render_pass(&view, settings, kind, options, film, per_pixel, counts);
+                render_pass(
+                    &view, settings, kind, options, film, per_pixel, counts, stop,
+                )
             }
             Shape::Splats if counts.is_some() => {
                 return Err(
@@ -107,14 +111,13 @@ impl Backend for CpuBackend<'_> {
             }
             Shape::Splats if is_sobol => {
                 let new = SobolSampler::new;
-                render_layers(&view, settings, options, film, per_pixel, new);
+                render_layers(&view, settings, options, film, per_pixel, new, stop)
             }
             Shape::Splats => {
                 let new = IndependentSampler::new;
-                render_layers(&view, settings, options, film, per_pixel, new);
+                render_layers(&view, settings, options, film, per_pixel, new, stop)
             }
-        }
-        Ok(())
+        })
     }
 }
 
@@ -144,19 +147,21 @@ fn render_pass<T: Traverse + Sync>(
     film: &mut Film,
     per_pixel: u32,
     counts: Option<&[u32]>,
-) {
+    stop: &Stop<'_>,
+) -> PassEnd {
     let job = TileJob {
         view,
         settings,
         options,
+        stop,
         needs_surface: film.aovs().needs_surface(),
         simd: processor::simd_level(),
     };
     // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
     if kind == sampler_kind::SOBOL {
-        sample_tiles(&job, film, per_pixel, counts, SobolSampler::new);
+        sample_tiles(&job, film, per_pixel, counts, SobolSampler::new)
     } else {
-        sample_tiles(&job, film, per_pixel, counts, IndependentSampler::new);
+        sample_tiles(&job, film, per_pixel, counts, IndependentSampler::new)
     }
 }
 
@@ -167,7 +172,7 @@ fn sample_tiles<T: Traverse + Sync, S: LaneSampler + Send>(
     per_pixel: u32,
     counts: Option<&[u32]>,
     new: impl Fn(u32, u32, u32) -> S + Sync,
-) {
+) -> PassEnd {
     let width = film.width();
     let count = |x: u32, y: u32| match counts {
         Some(counts) => counts[y as usize * width as usize + x as usize],
@@ -175,11 +180,23 @@ fn sample_tiles<T: Traverse + Sync, S: LaneSampler + Send>(
     };
     // As many as there are threads, however finely the work is divided.
     let idle = Mutex::new(Vec::new());
+    let is_cut = AtomicBool::new(false);
     film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
+        if job.stop.is_set() {
+            is_cut.store(true, Ordering::Relaxed);
+            return;
+        }
         let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
         let workspace = lock().pop();
         let mut workspace = workspace.unwrap_or_else(Workspace::new);
-        job.sample_tile(&mut workspace, &mut tile, count, &new);
+        if job.sample_tile(&mut workspace, &mut tile, count, &new) == PassEnd::Cut {
+            is_cut.store(true, Ordering::Relaxed);
+        }
         lock().push(workspace);
     });
+    if is_cut.into_inner() {
+        PassEnd::Cut
+    } else {
+        PassEnd::Complete
+    }
 }

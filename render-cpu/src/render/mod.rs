@@ -13,12 +13,14 @@ pub mod record;
 pub mod run_loop;
 mod splat;
 mod splatting;
+mod stop;
 mod strategy_films;
 mod tile_job;
 
-pub use backend::{Backend, PassError};
+pub use backend::{Backend, PassEnd, PassError};
 pub use checkpoint_file::CheckpointFile;
 pub use cpu_backend::{CpuBackend, Shape, render, render_film, shape};
 pub use options::{Goal, Outcome, RenderOptions, RunState};
 pub use run_loop::{NoObserver, Observer, render_with};
+pub use stop::Stop;
 pub use strategy_films::{StrategyBackend, StrategyPyramid};

@@ -3,10 +3,13 @@
 //! A sample is a function of (seed, pixel, sample index) and pixels do not share anything, so the film after a given
 //! number of samples is the same to the last bit for any number of threads and any interruptions. Work is cut into
 //! passes; between two passes the loop saves checkpoints, looks at the clock and at the request to stop, and, in
-//! adaptive runs, decides how many samples each pixel gets next, a function of the film alone.
+//! adaptive runs, decides how many samples each pixel gets next, a function of the film alone. A pass that is cut by either
+//! leaves a film that says what it still owes, and the next one gives that first.
 
-use super::backend::{Backend, PassError};
+use super::backend::{Backend, PassEnd, PassError};
 use super::options::{Goal, Outcome, RenderOptions, RunState};
+use super::stop::Stop;
+use crate::film::owed::Owed;
 use crate::film::{Film, adaptive};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -56,6 +59,11 @@ pub fn render_with(
     let start = Instant::now();
     let seconds_before = state.seconds;
     let mut seconds_per_sample = None;
+    let deadline = match options.goal {
+        Goal::Time(limit) => start.checked_add(limit),
+        Goal::Samples(_) => None,
+    };
+    let stop_pass = Stop::new(stop, deadline);
     loop {
         let elapsed = start.elapsed();
         let left = match options.goal {
@@ -74,33 +82,78 @@ pub fn render_with(
         if stop.load(Ordering::Relaxed) {
             return Ok(Outcome::Interrupted);
         }
-        let per_pixel = if options.adaptive {
-            // Where adaptive passes begin decides the image, so their size may not depend on the clock.
-            adaptive_pass_size(state.samples).min(left)
-        } else {
-            let budget = match options.goal {
-                Goal::Time(limit) => (limit - elapsed).as_secs_f64().min(PASS_SECONDS),
-                Goal::Samples(_) => PASS_SECONDS,
-            };
-            pass_size(seconds_per_sample, budget).min(left)
+        let owed = film.owed_mut().take();
+        let is_rest = owed.is_some();
+        let (per_pixel, counts) = match owed {
+            Some(owed) if options.adaptive => (owed.per_pixel, Some(owed.counts)),
+            Some(owed) => {
+                let owed = owed.up_to(left);
+                (owed.per_pixel, Some(owed.counts))
+            }
+            None if options.adaptive => {
+                // Where adaptive passes begin decides the image, so their size may not depend on the clock.
+                let per_pixel = adaptive_pass_size(state.samples).min(left);
+                let counts = adaptive::next_sample_counts(film, per_pixel);
+                (per_pixel, Some(counts))
+            }
+            None => {
+                let budget = match options.goal {
+                    Goal::Time(limit) => (limit - elapsed).as_secs_f64().min(PASS_SECONDS),
+                    Goal::Samples(_) => PASS_SECONDS,
+                };
+                (pass_size(seconds_per_sample, budget).min(left), None)
+            }
         };
-        let counts = options
-            .adaptive
-            .then(|| adaptive::next_sample_counts(film, per_pixel));
+        let samples_before = film.total_samples();
+        let targets = options.adaptive.then(|| targets(film, counts.as_deref()));
         let pass_start = Instant::now();
-        let pass = backend.pass(film, per_pixel, counts.as_deref());
-        if pass.is_err() && !options.adaptive {
-            // A pass that broke off may have added some layers.
-            let least = film.statistics().iter().map(|p| p.count).min();
-            state.samples = least.unwrap_or(state.samples);
-            state.seconds = seconds_before + start.elapsed().as_secs_f64();
+        let pass = backend.pass(film, per_pixel, counts.as_deref(), &stop_pass);
+        let seconds = pass_start.elapsed().as_secs_f64();
+        let is_complete = matches!(pass, Ok(PassEnd::Complete));
+        if is_complete {
+            state.samples += per_pixel;
         }
-        pass?;
-        seconds_per_sample = Some(pass_start.elapsed().as_secs_f64() / f64::from(per_pixel));
-        state.passes += 1;
-        state.samples += per_pixel;
+        match targets {
+            Some(targets) if !is_complete => {
+                *film.owed_mut() = Some(rest(film, per_pixel, &targets))
+            }
+            None if !is_complete || is_rest => {
+                let counts = film.statistics().iter().map(|p| p.count);
+                let (complete, owed) = Owed::to_equal(counts, state.samples);
+                state.samples = complete;
+                *film.owed_mut() = owed;
+            }
+            _ => {}
+        }
+        let taken = film.total_samples() - samples_before;
+        if taken > 0 {
+            state.passes += 1;
+            let per_pixel = taken as f64 / film.statistics().len() as f64;
+            seconds_per_sample = Some(seconds / per_pixel);
+        }
         state.seconds = seconds_before + start.elapsed().as_secs_f64();
+        pass?;
         observer.after_pass(state, film)?;
+    }
+}
+
+/// Samples that each pixel has after a pass of `counts`.
+fn targets(film: &Film, counts: Option<&[u32]>) -> Vec<u32> {
+    let taken = film.statistics().iter().map(|p| p.count);
+    let counts = counts.unwrap_or_default().iter();
+    taken
+        .zip(counts)
+        .map(|(a, b)| a.saturating_add(*b))
+        .collect()
+}
+
+/// What an adaptive pass of `per_pixel` samples still owes.
+fn rest(film: &Film, per_pixel: u32, targets: &[u32]) -> Owed {
+    let taken = film.statistics().iter().map(|p| p.count);
+    let counts = targets.iter().zip(taken);
+    Owed {
+        per_pixel,
+        counts: counts.map(|(a, b)| a.saturating_sub(b)).collect(),
     }
 }
 

@@ -2,13 +2,16 @@
 //!
 //! The value of a pixel in a layer is what its own sample found plus the splats that fall on it from all samples of the layer.
 //! Layers are independent, so the film's statistics give a variance for splatted images too, all correlations within a
-//! layer included. Several layers are taken together, as many as keep the threads busy on a small film: the memory is that
-//! of a few layers, whatever the number of threads. Splats are added in the order of tiles and samples, so that the sums
-//! depend on the layer's index alone.
+//! layer included. Several layers are taken together, as many as keep the threads busy on a small film; a layer of a large film
+//! is taken in parts. So the memory for splats is that of a quarter of a million pixels, whatever the film and the number of
+//! threads, and a pass can end soon. Samples and splats are added in the order of tiles and samples, so that the sums depend on
+//! the layer's index alone.
 
+use super::backend::PassEnd;
 use super::bidirectional_job::{BidirectionalWorkspace, TileSample, TileSamples};
 use super::options::RenderOptions;
 use super::splat::{Splat, SplatFilter};
+use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
 use glam::Vec3;
@@ -16,7 +19,8 @@ use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::IntegratorSettings;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::slice::ParallelSliceMut;
 use std::sync::{Mutex, PoisonError};
 
 /// Side of the square of pixels whose samples are traced together.
@@ -25,13 +29,13 @@ const TILE: u32 = 32;
 /// Rows whose splats are added by one thread.
 const BAND: u32 = 32;
 
-/// Pixels of the layers that are taken together, about.
-const PIXELS_AT_A_TIME: u64 = 1 << 18;
+/// Tiles that are taken before their splats are added. Which tiles decides how sums round, so it depends on the film alone.
+const TILES_AT_A_TIME: usize = 256;
 
 /// Turns the seed of camera walks into that of light walks.
 const LIGHT_STREAM: u32 = 0x3c6e_f35f;
 
-/// Adds `layers` samples to every pixel of the film.
+/// Adds `layers` samples to every pixel of the film, or fewer when it is to stop; a layer that is not complete is dropped.
 pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
@@ -39,44 +43,65 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     film: &mut Film,
     layers: u32,
     new: impl Fn(u32, u32, u32) -> S + Sync,
-) {
-    let pixels = u64::from(film.width()) * u64::from(film.height());
-    let together = (PIXELS_AT_A_TIME / pixels).clamp(1, 64) as u32;
+    stop: &Stop<'_>,
+) -> PassEnd {
+    let tiles = tiles(film);
+    let together = (TILES_AT_A_TIME / tiles.len()).clamp(1, 64) as u32;
     let filter = SplatFilter::new(&view.tables.camera);
     let idle = Mutex::new(Vec::new());
+    let mut sums = vec![[0.0; 3]; film.statistics().len()];
     let mut done = 0;
     while done < layers {
         let count = together.min(layers - done);
         let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
-        let tiles = tiles(film);
         let tasks = count as usize * tiles.len();
-        let results: Vec<TaskResult> = (0..tasks)
-            .into_par_iter()
-            .map(|task| {
-                let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
-                let workspace = lock().pop();
-                let mut workspace = workspace.unwrap_or_else(BidirectionalWorkspace::new);
-                let layer = first.wrapping_add((task / tiles.len()) as u32);
-                let tile = tiles[task % tiles.len()];
-                let mut samples = tile_samples(view, options.seed, layer, tile, &new);
-                let mut out = TileSamples::default();
-                workspace.run(view, settings, &mut samples, &mut out);
-                lock().push(workspace);
-                TaskResult::new(tile, out, &filter, film.height())
-            })
-            .collect();
-        add_layers(
-            view,
-            options.seed,
-            first,
-            film,
-            &filter,
-            &results,
-            tiles.len(),
-            &new,
-        );
+        for from in (0..tasks).step_by(TILES_AT_A_TIME) {
+            // Several layers at once have no more tasks than fit.
+            let to = tasks.min(from + TILES_AT_A_TIME);
+            let taken: Option<Vec<TaskResult>> = (from..to)
+                .into_par_iter()
+                .map(|task| {
+                    if stop.is_urgent() {
+                        return None;
+                    }
+                    let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+                    let workspace = lock().pop();
+                    let mut workspace = workspace.unwrap_or_else(BidirectionalWorkspace::new);
+                    let layer = first.wrapping_add((task / tiles.len()) as u32);
+                    let tile = tiles[task % tiles.len()];
+                    let mut samples = tile_samples(view, options.seed, layer, tile, &new);
+                    let mut out = TileSamples::default();
+                    workspace.run(view, settings, &mut samples, &mut out);
+                    lock().push(workspace);
+                    Some(TaskResult::new(tile, out, &filter, film.height()))
+                })
+                .collect();
+            let Some(results) = taken else {
+                return PassEnd::Cut;
+            };
+            let part = Part {
+                results: &results,
+                tiles: tiles.len(),
+                begins: from == 0,
+                ends: to == tasks,
+            };
+            add_part(
+                view,
+                options.seed,
+                first,
+                film,
+                &mut sums,
+                &filter,
+                &part,
+                &new,
+            );
+        }
         done += count;
+        if done < layers && stop.is_set() {
+            return PassEnd::Cut;
+        }
     }
+    PassEnd::Complete
 }
 
 /// A rectangle of pixels of the window: its first pixel and its size.
@@ -162,37 +187,56 @@ impl TaskResult {
     }
 }
 
-/// Adds the layers from `first` on, of which `results` holds `tiles` tiles each, to the film.
-fn add_layers<T: Traverse + Sync, S: LaneSampler>(
+/// Whole layers, or a part of one.
+struct Part<'a> {
+    results: &'a [TaskResult],
+    /// Tiles of a layer.
+    tiles: usize,
+    /// Whether it has the first tile of its layer.
+    begins: bool,
+    /// Whether it has the last one.
+    ends: bool,
+}
+
+/// Adds a part to the sums of its layer, and layers that it ends, from `first` on, to the film.
+fn add_part<T: Traverse + Sync, S: LaneSampler>(
     view: &SceneView<'_, T>,
     seed: u32,
     first: u32,
     film: &mut Film,
+    sums: &mut [[f32; 3]],
     filter: &SplatFilter,
-    results: &[TaskResult],
-    tiles: usize,
+    part: &Part<'_>,
     new: &(impl Fn(u32, u32, u32) -> S + Sync),
 ) {
     let needs_surface = film.aovs().needs_surface();
-    film.bands_mut(BAND).into_par_iter().for_each(|mut band| {
+    let of_band = film.width() as usize * BAND as usize;
+    let bands = film.bands_mut(BAND).into_par_iter();
+    let with_sums = bands.zip(sums.par_chunks_mut(of_band));
+    with_sums.for_each(|(mut band, sums)| {
         let (top, width, height) = (band.y(), band.width(), band.height());
-        let mut sums = vec![[0.0; 3]; width as usize * height as usize];
-        for (layer, of_layer) in results.chunks(tiles).enumerate() {
-            sums.fill([0.0; 3]);
+        for (layer, of_layer) in part.results.chunks(part.tiles).enumerate() {
+            if part.begins {
+                sums.fill([0.0; 3]);
+            }
             for result in of_layer {
                 let tile = result.tile;
                 for y in tile.y.max(top)..(tile.y + tile.height).min(top + height) {
                     let from = ((y - tile.y) * tile.width) as usize;
                     let to = ((y - top) * width + tile.x) as usize;
                     for x in 0..tile.width as usize {
-                        sums[to + x] = result.radiance[from + x].to_array();
+                        let sum = &mut sums[to + x];
+                        *sum = (Vec3::from_array(*sum) + result.radiance[from + x]).to_array();
                     }
                 }
             }
             for result in of_layer {
                 for splat in &result.bands[(top / BAND) as usize] {
-                    filter.add(splat, top, &mut sums);
+                    filter.add(splat, top, sums);
                 }
+            }
+            if !part.ends {
+                continue;
             }
             for (i, sum) in sums.iter().enumerate() {
                 let (x, y) = (i as u32 % width, top + i as u32 / width);

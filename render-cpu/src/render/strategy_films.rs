@@ -5,11 +5,12 @@
 //! the other on one [`Film`], so that the run loop, its goals and the film's variances serve all of them.
 //! Invariants (tests): the images add up to that of the whole algorithm, and do not depend on threads.
 
-use super::backend::{Backend, PassError};
+use super::backend::{Backend, PassEnd, PassError};
 use super::bidirectional_job::Vertices;
 use super::options::RenderOptions;
 use super::splat::{Splat, SplatFilter};
 use super::splatting::{Tile, tile_samples};
+use super::stop::Stop;
 use crate::accel::Accel;
 use crate::film::aov::AovSet;
 use crate::film::{Film, FilmError};
@@ -90,7 +91,8 @@ impl Backend for StrategyBackend<'_> {
         film: &mut Film,
         per_pixel: u32,
         counts: Option<&[u32]>,
-    ) -> Result<(), PassError> {
+        stop: &Stop<'_>,
+    ) -> Result<PassEnd, PassError> {
         if counts.is_some() {
             return Err("samples of strategies go to all pixels alike".into());
         }
@@ -101,13 +103,16 @@ impl Backend for StrategyBackend<'_> {
             traverse: &traverse,
         };
         for _ in 0..per_pixel {
+            if stop.is_set() {
+                return Ok(PassEnd::Cut);
+            }
             if self.scene.sampler == sampler_kind::SOBOL {
                 self.add_layer(&view, film, SobolSampler::new);
             } else {
                 self.add_layer(&view, film, IndependentSampler::new);
             }
         }
-        Ok(())
+        Ok(PassEnd::Complete)
     }
 }
 

@@ -1,9 +1,11 @@
 //! The samples of one tile of the film, on one thread.
 //!
 //! Paths are traced in waves ([`Wavefront`]) of consecutive samples: those of one pixel, or of neighbouring pixels where each
-//! gets but a few. Samples enter their pixel in the order of their indices whatever the wave, so that sums round alike.
+//! gets but a few. Between two waves a tile may be left: pixels then have the first of their samples. Samples enter their pixel in the order of their indices whatever the wave, so that sums round alike.
 
+use super::backend::PassEnd;
 use super::options::RenderOptions;
+use super::stop::Stop;
 use crate::film::FilmTile;
 use crate::film::aov::AovSample;
 use halflight_kernel::sampler::{LaneSampler, Sampler};
@@ -18,6 +20,9 @@ use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind
 /// places of the first cache (a tenth of the time of cornell-box at 1024).
 const SLOTS: usize = 97 * 16;
 
+/// Samples of a pixel that are taken one by one between two looks at whether to stop.
+const SAMPLES_BETWEEN_LOOKS: u32 = 16;
+
 /// What all tiles of a pass have in common.
 pub struct TileJob<'a, T: Traverse> {
     /// The scene.
@@ -28,6 +33,8 @@ pub struct TileJob<'a, T: Traverse> {
     pub options: &'a RenderOptions,
     /// Whether layers of surface features are wanted.
     pub needs_surface: bool,
+    /// When to leave a tile.
+    pub stop: &'a Stop<'a>,
     /// Those of the processor.
     pub simd: SimdLevel,
 }
@@ -61,14 +68,14 @@ impl<S: LaneSampler> Workspace<S> {
 
 impl<T: Traverse> TileJob<'_, T> {
     /// Adds the next samples of every pixel of the tile, as many as `count` says of its coordinates; `new` makes a sampler
-    /// of (seed, pixel, sample).
+    /// of (seed, pixel, sample). A tile that is cut has the first samples of some pixels.
     pub fn sample_tile<S: LaneSampler>(
         &self,
         workspace: &mut Workspace<S>,
         tile: &mut FilmTile<'_>,
         count: impl Fn(u32, u32) -> u32,
         new: impl Fn(u32, u32, u32) -> S,
-    ) {
+    ) -> PassEnd {
         let film_width = self.view.tables.camera.film_size[0];
         for y in tile.y()..tile.y() + tile.height() {
             for x in tile.x()..tile.x() + tile.width() {
@@ -82,6 +89,9 @@ impl<T: Traverse> TileJob<'_, T> {
                 let count = count(x, y);
                 if self.settings.kind != integrator_kind::PATH {
                     for i in 0..count {
+                        if i % SAMPLES_BETWEEN_LOOKS == 0 && self.stop.is_set() {
+                            return PassEnd::Cut;
+                        }
                         let sampler = new(i);
                         let mut numbers = sampler;
                         let radiance =
@@ -104,11 +114,15 @@ impl<T: Traverse> TileJob<'_, T> {
                     done += taken;
                     if workspace.wave.is_full() {
                         self.finish(tile, workspace);
+                        if self.stop.is_set() {
+                            return PassEnd::Cut;
+                        }
                     }
                 }
             }
         }
         self.finish(tile, workspace);
+        PassEnd::Complete
     }
 
     /// Coordinates in the whole film of a pixel of the window.

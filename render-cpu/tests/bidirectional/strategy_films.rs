@@ -6,7 +6,7 @@ use halflight::film::Film;
 use halflight::film::aov::AovSet;
 use halflight::plot::strategy_sheet::draw;
 use halflight::render::{
-    Backend, Goal, RenderOptions, StrategyBackend, StrategyPyramid, render_film,
+    Backend, Goal, RenderOptions, Stop, StrategyBackend, StrategyPyramid, render_film,
 };
 use halflight::scene::build::Scene;
 use halflight_kernel::transport::integrator_kind;
@@ -35,7 +35,7 @@ fn films(scene: &Scene, pyramid: StrategyPyramid) -> Film {
         options: &OPTIONS,
         pyramid,
     };
-    backend.pass(&mut film, 16, None).unwrap();
+    backend.pass(&mut film, 16, None, &Stop::NEVER).unwrap();
     film
 }
 

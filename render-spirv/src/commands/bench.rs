@@ -7,7 +7,7 @@ use halflight::accel::Accel;
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
 use halflight::film::aov::AovSet;
-use halflight::render::{Backend, CpuBackend, Goal, RenderOptions};
+use halflight::render::{Backend, CpuBackend, Goal, RenderOptions, Stop};
 use halflight::scene::build::Scene;
 use halflight_kernel::math::Ray;
 use halflight_kernel::sampler::AnySampler;
@@ -53,11 +53,11 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let measure = |backend: &mut dyn Backend| {
         let mut film = Film::new(width, height, [0, 0], AovSet::NONE)?;
         // The first pass finds the size of the slices.
-        backend.pass(&mut film, 1, None)?;
+        backend.pass(&mut film, 1, None, &Stop::NEVER)?;
         let before = film.total_samples();
         let start = Instant::now();
         while start.elapsed().as_secs_f64() < args.seconds {
-            backend.pass(&mut film, 1, None)?;
+            backend.pass(&mut film, 1, None, &Stop::NEVER)?;
         }
         let samples = film.total_samples() - before;
         Ok::<f64, Box<dyn Error + Send + Sync>>(samples as f64 / start.elapsed().as_secs_f64())

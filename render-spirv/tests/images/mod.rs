@@ -3,7 +3,7 @@
 use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
 use halflight::film::aov::AovSet;
-use halflight::render::{Backend, CpuBackend, Goal, RenderOptions};
+use halflight::render::{Backend, CpuBackend, Goal, RenderOptions, Stop};
 use halflight::scene::build::Scene;
 use halflight_spirv::device_backend::DeviceBackend;
 use halflight_spirv::vulkan::Device;
@@ -84,7 +84,7 @@ pub fn compare(device: &Arc<Device>, scene: &Scene, spp: u32) -> Result<Differen
     let start = Instant::now();
     let mut on_device = film();
     backend
-        .pass(&mut on_device, spp, None)
+        .pass(&mut on_device, spp, None, &Stop::NEVER)
         .map_err(|e| format!("{e}"))?;
     let seconds = start.elapsed().as_secs_f64();
     let mut on_cpu = film();
@@ -93,7 +93,7 @@ pub fn compare(device: &Arc<Device>, scene: &Scene, spp: u32) -> Result<Differen
         accel: &accel,
         options: &options,
     }
-    .pass(&mut on_cpu, spp, None)
+    .pass(&mut on_cpu, spp, None, &Stop::NEVER)
     .map_err(|e| format!("{e}"))?;
     let (mut difference, mut sum, mut outside, mut not_finite) = (0.0, 0.0, 0, 0);
     for (a, b) in on_device.mean().iter().zip(&on_cpu.mean()) {

@@ -1,8 +1,8 @@
 //! Wavefront OBJ meshes.
 //!
 //! Read are `v` (with colours, if six numbers follow), `vt`, `vn`, `f` with every form of index, negative ones
-//! included, and the names of `usemtl`; polygons are triangulated. Groups, smoothing groups and `mtllib` are passed over; lines,
-//! points and curved surfaces are left out with a warning. The whole file is one mesh ([`Mesh::part`] takes it apart by
+//! included, and the names of `usemtl`; polygons are triangulated. Groups, smoothing groups and `mtllib` are ignored; lines,
+//! points and curved surfaces are left out with a warning. The whole file is one mesh ([`Mesh::part`] splits it by
 //! material). Each distinct triple of position, texture coordinate and normal becomes one vertex, numbered
 //! by first use, as in Mitsuba 3. Colours become the attribute `vertex_color`, which Mitsuba does not read.
 //!
@@ -16,6 +16,7 @@
 //! without the texture coordinate or normal that it names has none, and a face of fewer than three corners is left
 //! out; both with a warning.
 
+use super::obj_lines::Lines;
 use super::text::{number, plain};
 use super::triangulate::Triangulator;
 use super::{Attribute, MaterialNames, Mesh, MeshError, Place, is_usable, read_file};
@@ -76,77 +77,16 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
     Ok(mesh)
 }
 
-/// Logical lines without comments, each with the number of its first physical line.
-struct Lines<'a> {
-    rest: &'a [u8],
-    number: u64,
-    joined: Vec<u8>,
-}
-
-impl<'a> Lines<'a> {
-    fn new(bytes: &'a [u8]) -> Lines<'a> {
-        Lines {
-            rest: bytes,
-            number: 0,
-            joined: Vec::new(),
-        }
-    }
-
-    fn next(&mut self) -> Option<(u64, &[u8])> {
-        let (mut line, mut continued) = self.physical()?;
-        let first = self.number;
-        if continued {
-            self.joined.clear();
-            while continued {
-                self.joined.extend_from_slice(line);
-                self.joined.push(b' ');
-                (line, continued) = self.physical().unwrap_or((b"", false));
-            }
-            self.joined.extend_from_slice(line);
-            return Some((first, &self.joined));
-        }
-        Some((first, line))
-    }
-
-    /// The next line up to its comment or end, and whether a backslash continues it.
-    fn physical(&mut self) -> Option<(&'a [u8], bool)> {
-        if self.rest.is_empty() {
-            return None;
-        }
-        self.number += 1;
-        let end = self.rest.iter().position(|&b| b == b'\n' || b == b'\r');
-        let line = &self.rest[..end.unwrap_or(self.rest.len())];
-        let next = match end {
-            None => self.rest.len(),
-            Some(end) if self.rest[end..].starts_with(b"\r\n") => end + 2,
-            Some(end) => end + 1,
-        };
-        self.rest = &self.rest[next..];
-        // A comment ends with its line, even if it ends in a backslash, as paths of directories do.
-        if let Some(comment) = comment_start(line) {
-            return Some((&line[..comment], false));
-        }
-        match line.trim_ascii_end() {
-            [start @ .., b'\\'] => Some((start, true)),
-            _ => Some((line, false)),
-        }
-    }
-}
-
-/// Where a comment begins: at a `#` that no other character touches from the left.
-fn comment_start(line: &[u8]) -> Option<usize> {
-    (0..line.len()).find(|&i| line[i] == b'#' && (i == 0 || line[i - 1].is_ascii_whitespace()))
-}
-
+/// The elements of the file so far, and the mesh that its faces make.
 #[derive(Default)]
 struct Parser {
-    /// The elements are those of the whole file already.
+    /// The elements are those of the whole file, from a first pass.
     is_complete: bool,
-    /// Only elements are wanted.
+    /// A first pass, which reads elements only.
     skips_faces: bool,
-    /// A face was met that refers to an element further down.
+    /// Some face refers to an element further down.
     refers_ahead: bool,
-    /// Positions, texture coordinates and normals above the current line.
+    /// Numbers of positions, texture coordinates and normals above the current line.
     seen: [usize; 3],
     positions: Vec<[f32; 3]>,
     colors: Vec<[f32; 3]>,
@@ -163,7 +103,7 @@ struct Parser {
     /// The material of the next face.
     material: u32,
     of_triangle: Vec<u32>,
-    /// Faces, corners and other things that were left out.
+    /// Counts of what was left out, for warnings.
     small_faces: u64,
     missing_uvs: u64,
     missing_normals: u64,
@@ -253,7 +193,7 @@ impl Parser {
         Ok(())
     }
 
-    /// Takes a name for the faces that follow.
+    /// Sets the material of the faces that follow.
     fn use_material(&mut self, name: &str) {
         if self.materials.is_empty() {
             self.materials.push(String::new());

@@ -19,18 +19,6 @@ pub struct W8(pub __m256i);
 #[derive(Clone, Copy, Debug)]
 pub struct M8(pub __m256);
 
-macro_rules! operator {
-    ($vector:ident, $name:ident, $method:ident, $instruction:ident) => {
-        impl $name for $vector {
-            type Output = $vector;
-            #[inline(always)]
-            fn $method(self, other: $vector) -> $vector {
-                // SAFETY: see the module.
-                $vector(unsafe { $instruction(self.0, other.0) })
-            }
-        }
-    };
-}
 operator!(F8, Add, add, _mm256_add_ps);
 operator!(F8, Sub, sub, _mm256_sub_ps);
 operator!(F8, Mul, mul, _mm256_mul_ps);

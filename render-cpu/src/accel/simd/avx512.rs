@@ -54,18 +54,6 @@ impl WordRow {
     }
 }
 
-macro_rules! operator {
-    ($vector:ident, $name:ident, $method:ident, $instruction:ident) => {
-        impl $name for $vector {
-            type Output = $vector;
-            #[inline(always)]
-            fn $method(self, other: $vector) -> $vector {
-                // SAFETY: see the module.
-                $vector(unsafe { $instruction(self.0, other.0) })
-            }
-        }
-    };
-}
 operator!(F16, Add, add, _mm512_add_ps);
 operator!(F16, Sub, sub, _mm512_sub_ps);
 operator!(F16, Mul, mul, _mm512_mul_ps);

@@ -15,6 +15,21 @@
 //! An operator is one rounded operation: nothing is fused unless [`SimdFloat::mul_add`] says so. The tests give the bits of
 //! the scalar functions of [`halflight_kernel::scene::intersect`], whatever the width.
 
+/// Implements an operator of two vectors by an instruction.
+#[cfg(target_arch = "x86_64")]
+macro_rules! operator {
+    ($vector:ident, $name:ident, $method:ident, $instruction:ident) => {
+        impl $name for $vector {
+            type Output = $vector;
+            #[inline(always)]
+            fn $method(self, other: $vector) -> $vector {
+                // SAFETY: see the modules of the instruction sets.
+                $vector(unsafe { $instruction(self.0, other.0) })
+            }
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]

@@ -5,7 +5,10 @@
 //! false-alarm rate of 1e-3 per image; at least 95 % must pass. `HALFLIGHT_CORPUS_SPP` sets the samples per pixel
 //! (default 64; the references have 1024 and more), `HALFLIGHT_CORPUS_ONLY` a part of the names.
 //!
-//! Without the variable the test says that it skips; with `HALFLIGHT_REQUIRE_CORPUS` set that is a failure.
+//! Without the variable the test is skipped; with `HALFLIGHT_REQUIRE_CORPUS` set that is a failure.
+
+#[path = "common/skip.rs"]
+mod skip;
 
 use halflight::compare::metrics::RgbImage;
 use halflight::compare::metrics::ztest::{Estimate, Outcome, Settings, ztest};
@@ -153,12 +156,9 @@ fn test_film(
 
 #[test]
 fn other_peoples_scenes_agree_with_another_renderer() {
-    let Some(folder) = std::env::var_os("HALFLIGHT_CORPUS") else {
-        assert!(
-            std::env::var_os("HALFLIGHT_REQUIRE_CORPUS").is_none(),
-            "HALFLIGHT_REQUIRE_CORPUS is set, but HALFLIGHT_CORPUS is not"
-        );
-        eprintln!("skipped: HALFLIGHT_CORPUS does not name a folder of scenes");
+    let folder = std::env::var_os("HALFLIGHT_CORPUS");
+    let folder = folder.ok_or("HALFLIGHT_CORPUS does not name a folder of scenes");
+    let Some(folder) = skip::available(folder, "HALFLIGHT_REQUIRE_CORPUS") else {
         return;
     };
     let spp = std::env::var("HALFLIGHT_CORPUS_SPP")

@@ -5,6 +5,9 @@
 
 #![cfg(unix)]
 
+#[path = "common/skip.rs"]
+mod skip;
+
 use halflight::farm::folder::Folder;
 use halflight::farm::record::Record;
 use std::fs;
@@ -225,13 +228,8 @@ fn channels(path: &Path) -> Vec<(String, Vec<f32>)> {
 
 #[test]
 fn eight_tasks_with_one_requeued_and_one_torn_make_the_image_of_one_run() {
-    let cluster = match Cluster::start() {
-        Ok(cluster) => cluster,
-        Err(reason) if std::env::var_os("HALFLIGHT_REQUIRE_SLURM").is_none() => {
-            eprintln!("skipped: {reason}");
-            return;
-        }
-        Err(reason) => panic!("HALFLIGHT_REQUIRE_SLURM is set, but {reason}"),
+    let Some(cluster) = skip::available(Cluster::start(), "HALFLIGHT_REQUIRE_SLURM") else {
+        return;
     };
     fs::write(cluster.path("scene.xml"), SCENE).expect("a writable folder");
     let submitted = cluster.halflight(&[

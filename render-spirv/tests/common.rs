@@ -1,5 +1,8 @@
 //! A device for tests, or the reason why there is none.
 
+#[path = "../../render-cpu/tests/common/skip.rs"]
+pub mod skip;
+
 use halflight_spirv::vulkan::{Device, Instance};
 use std::sync::Arc;
 
@@ -10,14 +13,5 @@ pub fn device() -> Option<Arc<Device>> {
         let description = instance.select(None)?;
         Device::new(&instance, description)
     });
-    match opened {
-        Ok(device) => Some(device),
-        Err(error) if std::env::var_os("HALFLIGHT_REQUIRE_VULKAN").is_some() => {
-            panic!("HALFLIGHT_REQUIRE_VULKAN is set: {error}")
-        }
-        Err(error) => {
-            eprintln!("skipped: {error}");
-            None
-        }
-    }
+    skip::available(opened, "HALFLIGHT_REQUIRE_VULKAN")
 }

@@ -3,19 +3,20 @@
 //! `HALFLIGHT_CORPUS` names the folder; its `manifest.json` lists scenes with their parameters.
 //! `HALFLIGHT_CORPUS_ONLY` is a part of the names, `HALFLIGHT_CORPUS_WIDTH` the width of the images (default 40), and with
 //! `HALFLIGHT_CORPUS_VULKAN_STEP=N` only every Nth scene is taken: compiling the shaders of all takes many minutes. All must
-//! agree. Without the folder or without a device the test says that it skips.
+//! agree. Without the folder or without a device the test is skipped.
 
 mod common;
 mod images;
 
-use common::device;
+use common::{device, skip};
 use images::{compare, load};
 use std::path::PathBuf;
 
 #[test]
 fn every_scene_is_the_processors() {
-    let Some(folder) = std::env::var_os("HALFLIGHT_CORPUS").map(PathBuf::from) else {
-        eprintln!("skipped: HALFLIGHT_CORPUS does not name a folder of scenes");
+    let folder = std::env::var_os("HALFLIGHT_CORPUS").map(PathBuf::from);
+    let folder = folder.ok_or("HALFLIGHT_CORPUS does not name a folder of scenes");
+    let Some(folder) = skip::available(folder, "HALFLIGHT_REQUIRE_CORPUS") else {
         return;
     };
     let Some(device) = device() else { return };

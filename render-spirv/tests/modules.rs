@@ -1,5 +1,8 @@
 //! The committed modules: as new as their sources, valid, and no more demanding than the host provides.
 
+#[path = "../../render-cpu/tests/common/skip.rs"]
+mod skip;
+
 use halflight_spirv::module::{self, MODULES};
 use halflight_spirv::no_contraction;
 use std::path::{Path, PathBuf};
@@ -82,24 +85,19 @@ fn modules_are_valid() {
             .args(["--target-env", "vulkan1.2"])
             .arg(&path)
             .output();
-        match run {
-            Ok(output) => assert!(
-                output.status.success(),
-                "{}: {}{}",
-                path.display(),
-                String::from_utf8_lossy(&output.stdout),
-                String::from_utf8_lossy(&output.stderr)
-            ),
-            Err(error) if std::env::var_os("HALFLIGHT_REQUIRE_VULKAN").is_some() => {
-                panic!("HALFLIGHT_REQUIRE_VULKAN is set, but spirv-val does not run: {error}")
-            }
-            Err(error) => {
-                eprintln!(
-                    "skipped: spirv-val does not run ({error}); Debian has it in spirv-tools"
-                );
-                return;
-            }
-        }
+        let run = run.map_err(|error| {
+            format!("spirv-val does not run ({error}); Debian has it in spirv-tools")
+        });
+        let Some(output) = skip::available(run, "HALFLIGHT_REQUIRE_VULKAN") else {
+            return;
+        };
+        assert!(
+            output.status.success(),
+            "{}: {}{}",
+            path.display(),
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
     }
 }
 

@@ -78,6 +78,10 @@ with_avx512! {
 }
 
 #[cfg(test)]
+#[path = "../../../tests/common/skip.rs"]
+mod skip;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::accel::simd::avx512::{LANES, WordRow};
@@ -103,8 +107,9 @@ mod tests {
 
     #[test]
     fn children_come_in_the_order_of_the_direction() {
-        if !simd_level().has_avx512() {
-            eprintln!("skipped: the processor has no AVX-512");
+        let has_avx512 = simd_level().has_avx512().then_some(());
+        let has_avx512 = has_avx512.ok_or("the processor has no AVX-512");
+        if skip::available(has_avx512, "HALFLIGHT_REQUIRE_AVX512").is_none() {
             return;
         }
         for inner in [0xffu32, 0b1011_0110, 0b1000_0001] {

@@ -36,6 +36,7 @@ pub mod rough_dielectric;
 pub mod rough_diffuse;
 pub mod rough_plastic;
 pub mod rough_transmittance;
+pub mod roughness;
 pub mod schlick_reflection;
 pub mod sheen;
 pub mod thin_dielectric;

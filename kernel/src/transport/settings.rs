@@ -4,6 +4,7 @@
 
 use crate::path::rules::PathRules;
 use crate::scene::NONE;
+use crate::transport::photon::schedule::OPTIMAL_ALPHA;
 use bytemuck::{Pod, Zeroable};
 
 /// Which algorithm makes the image.
@@ -18,6 +19,8 @@ pub mod integrator_kind {
     pub const BIDIRECTIONAL: u32 = 3;
     /// Light tracing (`transport/bidirectional.rs` without camera subpaths).
     pub const LIGHT_TRACING: u32 = 4;
+    /// Progressive photon mapping (`transport/photon/progressive.rs`).
+    pub const PROGRESSIVE_PHOTONS: u32 = 16;
 }
 
 /// How an algorithm renders: what all share, and the blocks of each.
@@ -40,6 +43,8 @@ pub struct IntegratorSettings {
     pub occlusion: OcclusionSettings,
     /// Of bidirectional path tracing and light tracing.
     pub bidirectional: BidirectionalSettings,
+    /// Of photon mapping.
+    pub photon: PhotonSettings,
 }
 
 /// Parameters of direct illumination.
@@ -79,6 +84,30 @@ pub struct BidirectionalSettings {
     pub only_t: u32,
     /// 1 if contributions are not weighted against those of other strategies.
     pub unweighted: u32,
+}
+
+/// Parameters of photon mapping.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct PhotonSettings {
+    /// Light walks per pass.
+    pub photon_count: u32,
+    /// How slowly radii shrink ([`crate::transport::photon::schedule`]).
+    pub alpha: f32,
+    /// Radius of the first pass in scene units, zero to derive it from the scene.
+    pub initial_radius: f32,
+    /// Roughness from which camera walks gather photons instead of going on.
+    pub gather_roughness: f32,
+}
+
+impl PhotonSettings {
+    /// Mitsuba 0.6's number of photons, and the alpha of least error.
+    pub const DEFAULT: PhotonSettings = PhotonSettings {
+        photon_count: 250_000,
+        alpha: OPTIMAL_ALPHA,
+        initial_radius: 0.0,
+        gather_roughness: 0.15,
+    };
 }
 
 impl BidirectionalSettings {
@@ -127,5 +156,6 @@ impl IntegratorSettings {
             distance: 0.5,
         },
         bidirectional: BidirectionalSettings::DEFAULT,
+        photon: PhotonSettings::DEFAULT,
     };
 }

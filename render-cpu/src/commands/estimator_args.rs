@@ -1,5 +1,6 @@
 //! Arguments that change how an algorithm estimates, whatever the scene says.
 
+use super::photon_args::PhotonArgs;
 use crate::render::{Shape, shape};
 use crate::scene::build::Scene;
 use clap::{Args, ValueEnum};
@@ -38,6 +39,9 @@ pub struct EstimatorArgs {
         requires = "strategy_sheet"
     )]
     pub sheet_length: u32,
+    /// Of photon mapping.
+    #[command(flatten)]
+    pub photons: PhotonArgs,
 }
 
 impl EstimatorArgs {
@@ -46,6 +50,7 @@ impl EstimatorArgs {
     /// # Errors
     /// If they are not of the algorithm that will run.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
+        self.photons.apply(scene)?;
         let is_used = self.heuristic.is_some() || self.strategies.is_some();
         if is_used && shape(scene.settings.kind) != Shape::Splats {
             return Err(

@@ -8,6 +8,7 @@ pub mod farm;
 pub mod info;
 pub mod material;
 pub mod merge;
+pub mod photon_args;
 pub mod processor;
 pub mod render;
 mod render_observer;

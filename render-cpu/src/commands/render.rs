@@ -136,7 +136,7 @@ pub fn run_with(
     let start = Instant::now();
     let mut scene = args.scene.load()?;
     args.estimator.apply(&mut scene)?;
-    if args.adaptive && shape(scene.settings.kind) == Shape::Splats {
+    if args.adaptive && shape(scene.settings.kind) != Shape::Pixels {
         return Err(
             "--adaptive needs pixels that share no light: it is for path, direct and ao".into(),
         );

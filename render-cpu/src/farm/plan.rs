@@ -187,9 +187,9 @@ impl Plan {
             ));
         }
         if request.division == Division::Pixels {
-            if shape(built.settings.kind) == Shape::Splats {
+            if shape(built.settings.kind) != Shape::Pixels {
                 return wrong(format!(
-                    "samples of {} add light to all pixels; divide them by samples or seeds",
+                    "samples of {} share their light among all pixels; divide them by samples or seeds",
                     built.integrator
                 ));
             }

@@ -4,11 +4,11 @@
 //! the rays of all of a kind are traced in lockstep. Segments that must be free wait until there are enough of them. What a
 //! tile gives is a function of its pixels, the sample's index and the seed.
 
+use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::splat::Splat;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Bsdf;
 use halflight_kernel::math::Rgb;
-use halflight_kernel::path::rules::step;
 use halflight_kernel::path::visibility::contribution_transmittance;
 use halflight_kernel::path::{Contribution, PathVertex, Walk};
 use halflight_kernel::sampler::LaneSampler;
@@ -17,9 +17,6 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::scene::{HitBatch, NONE, RayBatch, SceneView, scene_flag};
 use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
-
-/// Rays that are traced together.
-const RAYS: usize = 1024;
 
 /// The vertices of all light walks of a tile.
 #[derive(Default)]
@@ -54,7 +51,7 @@ struct Pending {
 }
 
 /// Contributions that wait for their segments to be traced.
-struct Shadows {
+pub(super) struct Shadows {
     rays: Box<RayBatch<RAYS>>,
     hits: Box<HitBatch<RAYS>>,
     pending: Vec<Pending>,
@@ -82,10 +79,7 @@ pub struct TileSample<S> {
 
 /// What a thread needs for its tiles.
 pub struct BidirectionalWorkspace {
-    rays: Box<RayBatch<RAYS>>,
-    hits: Box<HitBatch<RAYS>>,
-    walks: Vec<Walk>,
-    active: Vec<u32>,
+    walks: LockstepWalks,
     starts: Vec<EmissionSample>,
     last: Vec<u32>,
     weights: Vec<f32>,
@@ -98,19 +92,12 @@ impl BidirectionalWorkspace {
     /// Room that grows with the first tiles.
     pub fn new() -> BidirectionalWorkspace {
         BidirectionalWorkspace {
-            rays: bytemuck::zeroed_box(),
-            hits: bytemuck::zeroed_box(),
-            walks: Vec::new(),
-            active: Vec::new(),
+            walks: LockstepWalks::new(),
             starts: Vec::new(),
             last: Vec::new(),
             weights: Vec::new(),
             vertices: Vertices::default(),
-            shadows: Shadows {
-                rays: bytemuck::zeroed_box(),
-                hits: bytemuck::zeroed_box(),
-                pending: Vec::with_capacity(RAYS),
-            },
+            shadows: Shadows::new(),
             bsdf: Box::new([Bsdf::BLACK; 2]),
         }
     }
@@ -149,42 +136,32 @@ impl BidirectionalWorkspace {
         out: &mut TileSamples,
     ) {
         self.walks.clear();
-        self.active.clear();
         self.starts.clear();
         self.last.clear();
         self.vertices.clear();
         for (i, sample) in samples.iter_mut().enumerate() {
             let start = algorithm.emit(&mut sample.light);
-            self.walks.push(Walk::from_emitter(&start));
+            self.walks.push(Walk::from_emitter(&start), start.is_some());
             self.starts.push(start);
             self.last.push(NONE);
             if start.is_some() {
                 let own = algorithm.start(&start, &mut sample.light);
                 self.shadows.push(view, settings, i as u32, &own, out);
-                self.active.push(i as u32);
             }
         }
-        while !self.active.is_empty() {
-            self.trace(view);
-            let mut kept = 0;
-            for k in 0..self.active.len() {
-                let i = self.active[k] as usize;
-                let shadows = &mut self.shadows;
-                let next = algorithm.light_bounce(
-                    &mut self.walks[i],
+        while !self.walks.is_done() {
+            let shadows = &mut self.shadows;
+            self.walks.bounce(view, |i, walk, hit| {
+                algorithm.light_bounce(
+                    walk,
                     &mut samples[i].light,
-                    &self.hits.get(k),
+                    hit,
                     &mut self.bsdf[0],
                     &mut self.vertices,
                     &mut self.last[i],
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
-                );
-                if next == step::TRACE {
-                    self.active[kept] = i as u32;
-                    kept += 1;
-                }
-            }
-            self.active.truncate(kept);
+                )
+            });
         }
         self.shadows.trace(view, out);
     }
@@ -199,23 +176,19 @@ impl BidirectionalWorkspace {
     ) {
         self.walks.clear();
         self.weights.clear();
-        for (i, sample) in samples.iter_mut().enumerate() {
+        for sample in samples.iter_mut() {
             let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
-            self.walks.push(Walk::from_sensor(&seen.ray));
+            self.walks.push(Walk::from_sensor(&seen.ray), true);
             self.weights.push(seen.weight);
-            self.active.push(i as u32);
         }
-        while !self.active.is_empty() {
-            self.trace(view);
-            let mut kept = 0;
-            for k in 0..self.active.len() {
-                let i = self.active[k] as usize;
-                let shadows = &mut self.shadows;
-                let [bsdf, light_bsdf] = &mut *self.bsdf;
+        while !self.walks.is_done() {
+            let shadows = &mut self.shadows;
+            let [bsdf, light_bsdf] = &mut *self.bsdf;
+            self.walks.bounce(view, |i, walk, hit| {
                 let (found, next) = algorithm.camera_bounce(
-                    &mut self.walks[i],
+                    walk,
                     &mut samples[i].camera,
-                    &self.hits.get(k),
+                    hit,
                     bsdf,
                     light_bsdf,
                     &self.vertices,
@@ -224,30 +197,26 @@ impl BidirectionalWorkspace {
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
                 );
                 out.radiance[i] += found;
-                if next == step::TRACE {
-                    self.active[kept] = i as u32;
-                    kept += 1;
-                }
-            }
-            self.active.truncate(kept);
+                next
+            });
             // Before light of the next bounce, so that sums do not depend on what else waited.
             self.shadows.trace(view, out);
         }
     }
-
-    /// Traces the rays of the active walks; hit `k` is that of walk `active[k]`.
-    fn trace<T: Traverse>(&mut self, view: &SceneView<'_, T>) {
-        for (k, &i) in self.active.iter().enumerate() {
-            self.rays.set(k, &self.walks[i as usize].ray);
-        }
-        view.traverse
-            .closest_hits(&self.rays, self.active.len(), &mut self.hits);
-    }
 }
 
 impl Shadows {
+    /// None that wait.
+    pub fn new() -> Shadows {
+        Shadows {
+            rays: bytemuck::zeroed_box(),
+            hits: bytemuck::zeroed_box(),
+            pending: Vec::with_capacity(RAYS),
+        }
+    }
+
     /// Adds a contribution now if what lies in its way is not a matter of yes or no, later otherwise.
-    fn push<T: Traverse>(
+    pub fn push<T: Traverse>(
         &mut self,
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
@@ -279,7 +248,7 @@ impl Shadows {
     }
 
     /// Adds what does not lie in shadow.
-    fn trace<T: Traverse>(&mut self, view: &SceneView<'_, T>, out: &mut TileSamples) {
+    pub fn trace<T: Traverse>(&mut self, view: &SceneView<'_, T>, out: &mut TileSamples) {
         view.traverse
             .are_occluded(&self.rays, self.pending.len(), &mut self.hits);
         for (i, pending) in self.pending.iter().enumerate() {

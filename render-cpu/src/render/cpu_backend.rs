@@ -2,6 +2,7 @@
 
 use super::backend::{Backend, PassEnd, PassError};
 use super::options::{Outcome, RenderOptions, RunState};
+use super::passes::render_passes;
 use super::run_loop::{NoObserver, Observer, render_with};
 use super::splatting::render_layers;
 use super::stop::Stop;
@@ -104,10 +105,18 @@ impl Backend for CpuBackend<'_> {
                     &view, settings, kind, options, film, per_pixel, counts, stop,
                 )
             }
-            Shape::Splats if counts.is_some() => {
+            Shape::Splats | Shape::Passes if counts.is_some() => {
                 return Err(
                     "samples cannot go where the error is when pixels share their light".into(),
                 );
+            }
+            Shape::Passes if is_sobol => {
+                let new = SobolSampler::new;
+                render_passes(&view, settings, options, film, per_pixel, new, stop)
+            }
+            Shape::Passes => {
+                let new = IndependentSampler::new;
+                render_passes(&view, settings, options, film, per_pixel, new, stop)
             }
             Shape::Splats if is_sobol => {
                 let new = SobolSampler::new;
@@ -128,12 +137,15 @@ pub enum Shape {
     Pixels,
     /// A sample adds light to other pixels too.
     Splats,
+    /// Samples of all pixels are taken in passes over what light walks left.
+    Passes,
 }
 
 /// The driver of each kind of integrator.
 pub fn shape(kind: u32) -> Shape {
     match kind {
         integrator_kind::BIDIRECTIONAL | integrator_kind::LIGHT_TRACING => Shape::Splats,
+        integrator_kind::PROGRESSIVE_PHOTONS => Shape::Passes,
         _ => Shape::Pixels,
     }
 }

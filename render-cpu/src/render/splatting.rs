@@ -45,7 +45,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     new: impl Fn(u32, u32, u32) -> S + Sync,
     stop: &Stop<'_>,
 ) -> PassEnd {
-    let tiles = tiles(film);
+    let tiles = tiles(film, TILE);
     let together = (TILES_AT_A_TIME / tiles.len()).clamp(1, 64) as u32;
     let filter = SplatFilter::new(&view.tables.camera);
     let idle = Mutex::new(Vec::new());
@@ -113,15 +113,16 @@ pub(super) struct Tile {
     pub height: u32,
 }
 
-fn tiles(film: &Film) -> Vec<Tile> {
+/// The tiles of a film, by rows.
+pub(super) fn tiles(film: &Film, size: u32) -> Vec<Tile> {
     let mut tiles = Vec::new();
-    for y in (0..film.height()).step_by(TILE as usize) {
-        for x in (0..film.width()).step_by(TILE as usize) {
+    for y in (0..film.height()).step_by(size as usize) {
+        for x in (0..film.width()).step_by(size as usize) {
             tiles.push(Tile {
                 x,
                 y,
-                width: TILE.min(film.width() - x),
-                height: TILE.min(film.height() - y),
+                width: size.min(film.width() - x),
+                height: size.min(film.height() - y),
             });
         }
     }
@@ -129,7 +130,7 @@ fn tiles(film: &Film) -> Vec<Tile> {
 }
 
 /// Pixel in the whole film, and its number.
-fn pixel<T: Traverse>(view: &SceneView<'_, T>, x: u32, y: u32) -> ([u32; 2], u32) {
+pub(super) fn pixel<T: Traverse>(view: &SceneView<'_, T>, x: u32, y: u32) -> ([u32; 2], u32) {
     let camera = &view.tables.camera;
     let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
     let index = pixel[1]

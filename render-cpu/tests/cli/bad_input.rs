@@ -82,6 +82,30 @@ fn scene_files() {
             &["radius"],
         ),
         (
+            "no photons",
+            SCENE.replace(
+                "<integer name=\"max_depth\" value=\"8\"/>",
+                "<integer name=\"photonCount\" value=\"0\"/>",
+            ),
+            &["bad.xml:3", "photon_count"],
+        ),
+        (
+            "a gather radius below zero",
+            SCENE.replace(
+                "<integer name=\"max_depth\" value=\"8\"/>",
+                "<float name=\"initial_radius\" value=\"-1\"/>",
+            ),
+            &["bad.xml:3", "initial_radius"],
+        ),
+        (
+            "radii that grow",
+            SCENE.replace(
+                "<integer name=\"max_depth\" value=\"8\"/>",
+                "<float name=\"alpha\" value=\"1.5\"/>",
+            ),
+            &["bad.xml:3", "alpha"],
+        ),
+        (
             "an endless include",
             SCENE.replace("</scene>", "<include filename=\"bad.xml\"/></scene>"),
             &["bad.xml"],
@@ -139,6 +163,8 @@ fn requests() {
         &["--size", "0x10"],
         &["--integrator", "magic"],
         &["--sampler", "dice"],
+        &["--photons", "1000"],
+        &["--integrator", "bdpt", "--radius", "0.1"],
         &["--sensor", "3"],
         &["-D", "unheard=1"],
         &["-o", "folder/that/is/not/there.exr"],

@@ -1,12 +1,16 @@
-//! Progressive photon mapping: radii and statistics of the density estimate.
+//! Photon mapping: a cache of photons, algorithms over it, radii and statistics of the density estimate.
 //!
 //! | file | content |
 //! |---|---|
+//! | [`cache`] | photons, sorted to be found |
+//! | [`progressive`] | progressive photon mapping |
 //! | [`schedule`] | radii that shrink by a fixed rule |
 //! | [`statistics`] | a radius per pixel from its own statistics: bias, variance, Laplacian |
 //!
 //! psi, p_l and Delta I of the papers are contribution, density and Laplacian in [`statistics`]. The kernels are those of
 //! [`crate::regularize::mollifier`].
 
+pub mod cache;
+pub mod progressive;
 pub mod schedule;
 pub mod statistics;

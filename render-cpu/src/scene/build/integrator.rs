@@ -7,11 +7,15 @@ use super::options::BuildOptions;
 use crate::film::aov::{Aov, AovSet};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
+use halflight_kernel::transport::settings::PhotonSettings;
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use std::sync::Arc;
 
 /// Deeper nesting is a mistake.
 const MAX_DEPTH: usize = 16;
+
+/// Most light walks of a pass: their photons take some hundred gigabytes.
+const MAX_PHOTONS: i64 = 1 << 28;
 
 /// What will run.
 pub(super) struct Integrator {
@@ -53,6 +57,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         }
         settings.bidirectional.light_image = object.get_bool("light_image", true)?.into();
         settings.bidirectional.sample_direct = object.get_bool("sample_direct", true)?.into();
+        read_photon_settings(object, &mut settings.photon)?;
         // Mitsuba 0.6: -1 takes half of the scene's size.
         let length = object.get_float("ray_length", -1.0)?;
         if length > 0.0 {
@@ -65,9 +70,10 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         "ao" => integrator_kind::AMBIENT_OCCLUSION,
         "bdpt" => integrator_kind::BIDIRECTIONAL,
         "ptracer" => integrator_kind::LIGHT_TRACING,
+        "ppm" | "sppm" => integrator_kind::PROGRESSIVE_PHOTONS,
         other if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
-                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer and bdpt"
+                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, ppm and sppm"
             )));
         }
         other => {
@@ -94,6 +100,17 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         name,
         layers,
     })
+}
+
+/// What photon mapping reads, under the names of Mitsuba 0.6.
+fn read_photon_settings(object: &Object, photon: &mut PhotonSettings) -> Result<(), SceneError> {
+    let count = i64::from(photon.photon_count);
+    photon.photon_count = object.get_int_in("photon_count", count, 1, MAX_PHOTONS)? as u32;
+    photon.alpha = object.get_float_in("alpha", photon.alpha.into(), 0.0, 1.0)? as f32;
+    photon.initial_radius = object.get_float_in("initial_radius", 0.0, 0.0, 1e30)? as f32;
+    let roughness = photon.gather_roughness.into();
+    photon.gather_roughness = object.get_float_in("gather_roughness", roughness, 0.0, 1.0)? as f32;
+    Ok(())
 }
 
 /// The integrator inside of those that only add to it.

@@ -1,0 +1,301 @@
+//! Progressive photon mapping in its probabilistic form (Knaus and Zwicker 2011), and stochastic progressive photon mapping
+//! (Hachisuka and Jensen 2009), which is the same with a new camera walk per pass.
+//!
+//! A pass traces M light walks, keeps where they arrive, and estimates each pixel from the photons within r_i of where a
+//! camera walk arrives,
+//!
+//! ```text
+//! I_i = sum_p T f(wc, wl_p) |cos_s wl_p| / |cos_g wl_p| Phi_p K(|x_p - x| / r_i) / (M r_i^2),
+//! r_i = r_1 i^((alpha - 1) / 2)   ([`super::schedule`])
+//! ```
+//!
+//! with T the camera walk's throughput, Phi the photon's, and K the kernel of Epanechnikov ([`KERNEL`]), which has the
+//! least error of all. The image is the mean over the passes. A pass depends on nothing but its index, so passes may be
+//! taken in any order and by anyone.
+//!
+//! What makes a path is decided by its vertices, so that nothing counts twice:
+//! - a camera walk goes on where all of the surface is discrete or less rough than a threshold; there, direct light and
+//!   emission that is met are weighted against each other, as in path tracing;
+//! - at the first rough vertex it gathers: photons that were scattered before give indirect light, next event estimation
+//!   alone gives direct light, and the walk goes on with discrete lobes only;
+//! - a glossy vertex where the walk goes on also gathers the photons that came through discrete events alone from an emitter
+//!   that no ray meets: nothing else finds their paths.
+//!
+//! Photons are counted only where the geometric normals agree within [`LEAST_COSINE`]: others lie around a corner.
+//! Invariants (tests): the mean goes to that of path tracing as the radius shrinks; merging alone of vertex connection and
+//! merging agrees.
+
+use super::cache::{Photon, PhotonCache, PhotonQuery};
+use super::schedule;
+use crate::bsdf::{Bsdf, mode};
+use crate::math::{Rgb, float, vec3};
+use crate::path::rules::step;
+use crate::path::{
+    Connector, Contribution, Heuristic, Interaction, PartialWeights, Strategies, Walk,
+};
+use crate::regularize::mollifier;
+use crate::sampler::Sampler;
+use crate::scene::emitter::emission::{self, EmissionSample};
+use crate::scene::surface::{detail, surface_with};
+use crate::scene::{Hit, NONE, Tables};
+use crate::transport::settings::IntegratorSettings;
+use glam::Vec3;
+
+/// The kernel of the density estimate.
+pub const KERNEL: u32 = mollifier::PARABOLIC;
+
+/// Least cosine between the normals of a photon and of the surface that gathers it.
+pub const LEAST_COSINE: f32 = 0.7;
+
+/// The first radius where none is given, in shares of the scene's radius, one per pixel of the film's longer side.
+const PIXELS_OF_RADIUS: f32 = 5.0;
+
+/// Where photons are kept.
+pub trait PhotonStore {
+    /// Keeps a photon.
+    fn push(&mut self, position: Vec3, photon: &Photon);
+}
+
+/// The radius of the first pass: that of the settings, or as many pixels of the film as Mitsuba 0.6 takes, the scene's
+/// radius spread over the film.
+pub fn first_radius(tables: &Tables<'_>, settings: &IntegratorSettings) -> f32 {
+    let given = settings.photon.initial_radius;
+    if given > 0.0 {
+        return given;
+    }
+    let [width, height] = tables.camera.film_size;
+    PIXELS_OF_RADIUS * tables.info.radius / width.max(height).max(1) as f32
+}
+
+/// The algorithm over a scene.
+#[derive(Clone, Copy)]
+pub struct Progressive<'a> {
+    /// What paths have in common: emission that is met, and next event estimation.
+    pub connector: Connector<'a>,
+    /// Roughness from which surfaces gather.
+    pub gather_roughness: f32,
+}
+
+impl<'a> Progressive<'a> {
+    /// As the settings ask for.
+    pub fn new(tables: &'a Tables<'a>, settings: &IntegratorSettings) -> Progressive<'a> {
+        Progressive {
+            connector: Connector {
+                tables,
+                rules: settings.rules(),
+                strategies: Strategies {
+                    heuristic: Heuristic { is_power: false },
+                    light_image: false,
+                    sample_direct: true,
+                    only_s: NONE,
+                    only_t: NONE,
+                    unweighted: false,
+                },
+            },
+            gather_roughness: settings.photon.gather_roughness,
+        }
+    }
+
+    /// The radius of the pass with an index, counted from zero.
+    pub fn radius(tables: &Tables<'_>, settings: &IntegratorSettings, pass: u32) -> f32 {
+        let first = first_radius(tables, settings);
+        schedule::radius(first, pass.saturating_add(1), settings.photon.alpha)
+    }
+
+    /// The ray with which a light walk begins.
+    #[inline]
+    pub fn emit<S: Sampler>(&self, sampler: &mut S) -> EmissionSample {
+        let u_select = sampler.next_1d();
+        let u_position = sampler.next_2d();
+        let u_direction = sampler.next_2d();
+        emission::sample(self.connector.tables, u_select, u_position, u_direction)
+    }
+
+    /// One bounce of a light walk, from what its ray meets to its next ray; keeps the photon where
+    /// a camera walk may gather it. Says what is next, [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
+    pub fn light_bounce<S: Sampler, P: PhotonStore>(
+        &self,
+        walk: &mut Walk,
+        sampler: &mut S,
+        hit: &Hit,
+        bsdf: &mut Bsdf,
+        store: &mut P,
+    ) -> u32 {
+        let connector = &self.connector;
+        let tables = connector.tables;
+        if !hit.is_hit() || !connector.allows_edges(walk.depth.saturating_add(2)) {
+            return step::END;
+        }
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
+        let direction = walk.ray.direction;
+        let wi = point.frame.to_local(-direction);
+        if !connector.rules.allows(&point, -direction, wi.z) {
+            return step::END;
+        }
+        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
+        let at = Interaction::new(&point, bsdf, direction);
+        let photon = Photon {
+            direction: direction.to_array(),
+            throughput: walk.throughput.to_array(),
+            normal: point.geometric_normal.to_array(),
+            d_vcm: walk.arrived.d_vcm,
+            d_vc: walk.arrived.d_vc,
+            depth: walk.depth + 1,
+        };
+        // Direct light is not gathered.
+        if walk.depth > 0 && self.may_gather(bsdf, is_the_only_way(&photon)) {
+            store.push(point.position, &photon);
+        }
+        let h = connector.strategies.heuristic;
+        walk.scatter(tables, &connector.rules, h, sampler, &at)
+    }
+
+    /// Whether a camera walk gathers photons at a surface: at rough ones all, at glossy ones those whose paths nothing else
+    /// finds.
+    #[inline]
+    fn may_gather(&self, bsdf: &Bsdf, is_the_only_way: bool) -> bool {
+        bsdf.has_smooth() && (is_the_only_way || bsdf.roughness() >= self.gather_roughness)
+    }
+
+    /// One bounce of a camera walk among the photons of a pass of `emitted` light walks. `add` takes what may be shadowed;
+    /// what the walk found itself, and what it gathered, is returned with what is next, [`step::TRACE`] or [`step::END`].
+    pub fn camera_bounce<S: Sampler>(
+        &self,
+        walk: &mut Walk,
+        sampler: &mut S,
+        hit: &Hit,
+        bsdf: &mut Bsdf,
+        cache: &PhotonCache<'_>,
+        radius: f32,
+        emitted: u32,
+        mut add: impl FnMut(Contribution),
+    ) -> (Rgb, u32) {
+        let connector = &self.connector;
+        let tables = connector.tables;
+        if !hit.is_hit() {
+            return (connector.escaped(walk), step::END);
+        }
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
+        if walk.depth == 0 && connector.rules.hide_emitters != 0 && point.emitter != NONE {
+            return (Vec3::ZERO, walk.pass(&point));
+        }
+        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        let mut found = connector.emitted(walk, &point);
+        // No strategy has more than one vertex on the light's side.
+        walk.arrived = PartialWeights::NONE;
+        if !connector.allows_edges(walk.depth.saturating_add(2)) {
+            return (found, walk.pass_masks(tables, &point));
+        }
+        let direction = walk.ray.direction;
+        let wi = point.frame.to_local(-direction);
+        if !connector.rules.allows(&point, -direction, wi.z) {
+            return (found, step::END);
+        }
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
+        let at = Interaction::new(&point, bsdf, direction);
+        let is_rough = self.may_gather(bsdf, false);
+        if bsdf.has_smooth() {
+            let u_select = sampler.next_1d();
+            let u = sampler.next_2d();
+            let lit = if is_rough {
+                // The walk does not go on to meet the emitter.
+                let mut alone = *connector;
+                alone.strategies.unweighted = true;
+                alone.next_event(walk, &at, u_select, u)
+            } else {
+                connector.next_event(walk, &at, u_select, u)
+            };
+            if lit.is_some() {
+                add(lit);
+            }
+            let sum = self.gather(walk, &at, cache, radius, !is_rough);
+            found += walk.throughput * sum / emitted.max(1) as f32;
+        }
+        if is_rough && !bsdf.has_delta() {
+            return (found, step::END);
+        }
+        let depth = walk.depth;
+        let h = connector.strategies.heuristic;
+        let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
+        let is_smooth = walk.depth > depth && walk.weights.d_vcm > 0.0;
+        if is_rough && is_smooth {
+            return (found, step::END);
+        }
+        (found, next)
+    }
+
+    /// Sum over the photons around a vertex: those alone that nothing else finds, if asked for.
+    fn gather(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        cache: &PhotonCache<'_>,
+        radius: f32,
+        only_unfound: bool,
+    ) -> Rgb {
+        let connector = &self.connector;
+        let mut sum = Vec3::ZERO;
+        for_photons_within(cache, at.point.position, radius, |index, distance2| {
+            let photon = &cache.photons[index as usize];
+            let edges = photon.depth.saturating_add(walk.depth).saturating_add(1);
+            if !connector.allows_edges(edges) || only_unfound && !is_the_only_way(photon) {
+                return;
+            }
+            let value = scattered(connector, at, photon);
+            if value.max_element() > 0.0 {
+                let distance = float::sqrt(distance2);
+                let k = mollifier::eval_scaled(KERNEL, 2, distance, radius);
+                sum += vec3(photon.throughput) * value * k;
+            }
+        });
+        sum
+    }
+}
+
+/// Whether no camera walk meets the emitter of the photon's path and no emitter point can be connected: its walk went through
+/// discrete events alone from an emitter that no ray meets, so that its weights have nothing to sum.
+#[inline]
+fn is_the_only_way(photon: &Photon) -> bool {
+    photon.depth > 1 && photon.d_vcm == 0.0 && photon.d_vc == 0.0
+}
+
+/// Calls `visit` with the index and the squared distance of each photon closer than `radius`.
+#[inline]
+pub fn for_photons_within(
+    cache: &PhotonCache<'_>,
+    center: Vec3,
+    radius: f32,
+    mut visit: impl FnMut(u32, f32),
+) {
+    let mut query = PhotonQuery::new(cache, center, radius);
+    let radius2 = radius * radius;
+    while query.advance(cache) {
+        for index in query.start..query.end {
+            let distance2 = (cache.position(index) - center).length_squared();
+            if distance2 < radius2 {
+                visit(index, distance2);
+            }
+        }
+    }
+}
+
+/// What a surface scatters of a photon's flux per area: f |cos_s| / |cos_g|; zero where the photon lies on another surface.
+#[inline]
+pub fn scattered(connector: &Connector<'_>, at: &Interaction<'_>, photon: &Photon) -> Rgb {
+    let point = at.point;
+    let normals = float::abs(point.geometric_normal.dot(vec3(photon.normal)));
+    let towards_light = -vec3(photon.direction);
+    let cosine = float::abs(point.geometric_normal.dot(towards_light));
+    if normals < LEAST_COSINE || !(cosine > LEAST_INCIDENCE) {
+        return Vec3::ZERO;
+    }
+    let wo = point.frame.to_local(towards_light);
+    if !connector.rules.allows(point, towards_light, wo.z) {
+        return Vec3::ZERO;
+    }
+    at.bsdf.eval_cosine(connector.tables.data, at.wi, wo) / cosine
+}
+
+/// Least cosine of incidence: photons along the surface would be divided by nothing.
+const LEAST_INCIDENCE: f32 = 1e-4;

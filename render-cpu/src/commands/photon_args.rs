@@ -1,0 +1,42 @@
+//! Arguments of photon mapping, instead of what the scene says.
+
+use crate::scene::build::Scene;
+use clap::Args;
+use halflight_kernel::transport::integrator_kind;
+
+/// What the command line changes about photon mapping.
+#[derive(Args, Clone, Debug)]
+pub struct PhotonArgs {
+    /// Light paths per pass of photon mapping.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 28))]
+    pub photons: Option<u32>,
+    /// Radius within which photons are gathered in the first pass, in units of the scene.
+    #[arg(long, value_name = "R", value_parser = parse_radius)]
+    pub radius: Option<f32>,
+}
+
+impl PhotonArgs {
+    /// Changes the scene's settings.
+    ///
+    /// # Errors
+    /// If another algorithm will run.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
+        let is_used = self.photons.is_some() || self.radius.is_some();
+        if is_used && scene.settings.kind != integrator_kind::PROGRESSIVE_PHOTONS {
+            return Err(
+                "--photons and --radius are for photon mapping (--integrator sppm)".to_string(),
+            );
+        }
+        let own = &mut scene.settings.photon;
+        own.photon_count = self.photons.unwrap_or(own.photon_count);
+        own.initial_radius = self.radius.unwrap_or(own.initial_radius);
+        Ok(())
+    }
+}
+
+fn parse_radius(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|r: &f32| *r > 0.0 && r.is_finite())
+        .ok_or_else(|| "expected a length above zero".to_string())
+}

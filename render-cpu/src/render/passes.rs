@@ -1,0 +1,162 @@
+//! The driver of algorithms in passes over a cache: light walks of all threads, their photons sorted, then all pixels.
+//!
+//! A pass makes one sample of every pixel. It depends on the seed and its own index alone, so the film's statistics, its
+//! checkpoints and shares of passes work as for other algorithms: a run may be cut anywhere, and the parts of different
+//! passes are merged to the same mean. The memory is that of one pass's photons and does not grow with the image.
+
+use super::backend::PassEnd;
+use super::bidirectional_job::TileSamples;
+use super::options::RenderOptions;
+use super::photon_cache::{PhotonList, SortedPhotons};
+use super::photon_job::{PassPhotons, PhotonWorkspace, WALKS};
+use super::splatting::{pixel, tile_samples, tiles};
+use super::stop::Stop;
+use super::tile_job::surface_sample;
+use crate::film::Film;
+use halflight_kernel::sampler::{LaneSampler, mix};
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::photon::progressive::Progressive;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use std::sync::{Mutex, PoisonError};
+
+/// Side of the square of pixels whose camera walks are traced together.
+const TILE: u32 = 32;
+
+/// Turns the seed of camera walks into that of photons.
+const PHOTON_STREAM: u32 = 0x51ed_270b;
+
+/// Adds `passes` samples to every pixel of the film, or fewer when it is to stop; a pass that is not complete is dropped.
+pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    options: &RenderOptions,
+    film: &mut Film,
+    passes: u32,
+    new: impl Fn(u32, u32, u32) -> S + Sync,
+    stop: &Stop<'_>,
+) -> PassEnd {
+    let idle = Idle(Mutex::new(Vec::new()));
+    for taken in 0..passes {
+        if taken > 0 && stop.is_set() {
+            return PassEnd::Cut;
+        }
+        let pass = options.first_sample.wrapping_add(film.pixel(0, 0).count);
+        let pass = Pass {
+            view,
+            settings,
+            seed: options.seed,
+            index: pass,
+            idle: &idle,
+            stop,
+        };
+        if pass.render(film, &new).is_none() {
+            return PassEnd::Cut;
+        }
+    }
+    PassEnd::Complete
+}
+
+/// Workspaces that no thread uses.
+struct Idle(Mutex<Vec<PhotonWorkspace>>);
+
+impl Idle {
+    /// Calls `work` with one of them.
+    fn with<R>(&self, work: impl FnOnce(&mut PhotonWorkspace) -> R) -> R {
+        let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let workspace = lock().pop();
+        let mut workspace = workspace.unwrap_or_else(PhotonWorkspace::new);
+        let result = work(&mut workspace);
+        lock().push(workspace);
+        result
+    }
+}
+
+/// A pass.
+struct Pass<'a, T: Traverse> {
+    view: &'a SceneView<'a, T>,
+    settings: &'a IntegratorSettings,
+    seed: u32,
+    index: u32,
+    idle: &'a Idle,
+    stop: &'a Stop<'a>,
+}
+
+impl<T: Traverse + Sync> Pass<'_, T> {
+    /// Adds a sample to every pixel; nothing if it is to stop.
+    fn render<S: LaneSampler + Send>(
+        &self,
+        film: &mut Film,
+        new: &(impl Fn(u32, u32, u32) -> S + Sync),
+    ) -> Option<()> {
+        let (view, settings) = (self.view, self.settings);
+        let algorithm = Progressive::new(&view.tables, settings);
+        let lists = self.trace_photons(&algorithm, new)?;
+        let sorted = SortedPhotons::new(&lists);
+        drop(lists);
+        let photons = PassPhotons {
+            cache: sorted.view(),
+            radius: Progressive::radius(&view.tables, settings, self.index),
+            emitted: settings.photon.photon_count,
+        };
+        let taken: Option<Vec<TileSamples>> = tiles(film, TILE)
+            .into_par_iter()
+            .map(|tile| {
+                if self.stop.is_urgent() {
+                    return None;
+                }
+                let mut samples = tile_samples(view, self.seed, self.index, tile, new);
+                let mut out = TileSamples::default();
+                self.idle.with(|workspace| {
+                    workspace.gather(view, settings, &algorithm, &photons, &mut samples, &mut out);
+                });
+                Some(out)
+            })
+            .collect();
+        let taken = taken?;
+        let needs_surface = film.aovs().needs_surface();
+        let tiles = film.tiles_mut(TILE).into_par_iter().zip(taken);
+        tiles.for_each(|(mut tile, samples)| {
+            for (i, radiance) in samples.radiance.iter().enumerate() {
+                let (i, width) = (i as u32, tile.width());
+                let (x, y) = (tile.x() + i % width, tile.y() + i / width);
+                let mut entry = tile.pixel_mut(x, y);
+                entry.add_sample(*radiance);
+                if needs_surface {
+                    let (position, index) = pixel(view, x, y);
+                    let sampler = new(self.seed, index, self.index);
+                    entry.add_aovs(&surface_sample(view, sampler, position));
+                }
+            }
+        });
+        Some(())
+    }
+
+    /// The photons, by light walks. Their numbers are one sequence over the walks, so that a sampler with well-spread points
+    /// spreads the photons of a pass.
+    fn trace_photons<S: LaneSampler + Send>(
+        &self,
+        algorithm: &Progressive<'_>,
+        new: &(impl Fn(u32, u32, u32) -> S + Sync),
+    ) -> Option<Vec<PhotonList>> {
+        let seed = mix(self.seed ^ PHOTON_STREAM);
+        let emitted = self.settings.photon.photon_count;
+        (0..emitted.div_ceil(WALKS))
+            .into_par_iter()
+            .map(|batch| {
+                if self.stop.is_urgent() {
+                    return None;
+                }
+                let first = batch * WALKS;
+                let mut samplers: Vec<S> = (first..emitted.min(first + WALKS))
+                    .map(|walk| new(seed, self.index, walk))
+                    .collect();
+                let trace = |workspace: &mut PhotonWorkspace| {
+                    workspace.trace_photons(self.view, algorithm, &mut samplers)
+                };
+                Some(self.idle.with(trace))
+            })
+            .collect()
+    }
+}

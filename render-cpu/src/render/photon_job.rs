@@ -1,0 +1,118 @@
+//! The parts of a pass of photon mapping that one thread does: some light walks, and the camera walks of a tile.
+//!
+//! Photons depend on the seed, the pass and the light walk's number; pixels on the seed, the pass and the photons.
+
+use super::bidirectional_job::{Shadows, TileSample, TileSamples};
+use super::lockstep_walks::{LockstepWalks, RAYS};
+use super::photon_cache::PhotonList;
+use glam::Vec3;
+use halflight_kernel::bsdf::Bsdf;
+use halflight_kernel::path::Walk;
+use halflight_kernel::sampler::LaneSampler;
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::photon::cache::PhotonCache;
+use halflight_kernel::transport::photon::progressive::Progressive;
+use halflight_kernel::transport::{IntegratorSettings, camera_ray};
+
+/// Light walks that are traced together.
+pub(super) const WALKS: u32 = RAYS as u32;
+
+/// The photons of a pass and how they are gathered.
+#[derive(Clone, Copy)]
+pub(super) struct PassPhotons<'a> {
+    /// The photons.
+    pub cache: PhotonCache<'a>,
+    /// Radius within which they are gathered.
+    pub radius: f32,
+    /// Light walks of the pass.
+    pub emitted: u32,
+}
+
+/// What a thread needs for its share of a pass.
+pub(super) struct PhotonWorkspace {
+    walks: LockstepWalks,
+    weights: Vec<f32>,
+    shadows: Shadows,
+    bsdf: Box<Bsdf>,
+}
+
+impl PhotonWorkspace {
+    /// Room that grows with the first tiles.
+    pub fn new() -> PhotonWorkspace {
+        PhotonWorkspace {
+            walks: LockstepWalks::new(),
+            weights: Vec::new(),
+            shadows: Shadows::new(),
+            bsdf: Box::new(Bsdf::BLACK),
+        }
+    }
+
+    /// The photons of light walks with the numbers of `samplers`, at most [`WALKS`].
+    pub fn trace_photons<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        algorithm: &Progressive<'_>,
+        samplers: &mut [S],
+    ) -> PhotonList {
+        let mut list = PhotonList::default();
+        self.walks.clear();
+        for sampler in samplers.iter_mut() {
+            let start = algorithm.emit(sampler);
+            self.walks.push(Walk::from_emitter(&start), start.is_some());
+        }
+        while !self.walks.is_done() {
+            let bsdf = &mut *self.bsdf;
+            self.walks.bounce(view, |i, walk, hit| {
+                algorithm.light_bounce(walk, &mut samplers[i], hit, bsdf, &mut list)
+            });
+        }
+        list
+    }
+
+    /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held.
+    pub fn gather<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        algorithm: &Progressive<'_>,
+        photons: &PassPhotons<'_>,
+        samples: &mut [TileSample<S>],
+        out: &mut TileSamples,
+    ) {
+        out.radiance.clear();
+        out.radiance.resize(samples.len(), Vec3::ZERO);
+        out.splats.clear();
+        if settings.max_depth == 0 {
+            return;
+        }
+        self.walks.clear();
+        self.weights.clear();
+        for sample in samples.iter_mut() {
+            let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
+            self.walks.push(Walk::from_sensor(&seen.ray), true);
+            self.weights.push(seen.weight);
+        }
+        while !self.walks.is_done() {
+            let (shadows, bsdf) = (&mut self.shadows, &mut *self.bsdf);
+            self.walks.bounce(view, |i, walk, hit| {
+                let (found, next) = algorithm.camera_bounce(
+                    walk,
+                    &mut samples[i].camera,
+                    hit,
+                    bsdf,
+                    &photons.cache,
+                    photons.radius,
+                    photons.emitted,
+                    |contribution| shadows.push(view, settings, i as u32, &contribution, out),
+                );
+                out.radiance[i] += found;
+                next
+            });
+            self.shadows.trace(view, out);
+        }
+        for (radiance, weight) in out.radiance.iter_mut().zip(&self.weights) {
+            *radiance *= *weight;
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Passes are samples: of any number of threads, cut anywhere, shared among runs.
+
+use crate::scenes::{add_passes, film, integrator, scene};
+use halflight::film::Film;
+
+const CONTENT: &str = r#"<sensor type="perspective"><float name="fov" value="50"/>
+    <transform name="to_world"><lookat origin="0, 1, 3" target="0, 0.5, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="35"/></film></sensor>
+    <shape type="rectangle"><transform name="to_world"><scale value="2"/><rotate x="1" angle="-90"/></transform>
+        <bsdf type="diffuse"/></shape>
+    <shape type="sphere"><point name="center" x="0" y="0.5" z="0"/><float name="radius" value="0.5"/>
+        <bsdf type="dielectric"/></shape>
+    <emitter type="point"><point name="position" x="1" y="2" z="1"/></emitter>"#;
+
+fn bits(film: &Film) -> Vec<[u64; 7]> {
+    let pixels = film.statistics().iter();
+    pixels
+        .map(|p| {
+            let numbers = p.mean.into_iter().chain(p.m2).chain([p.luminance_m2]);
+            let mut bits = [0; 7];
+            bits.iter_mut()
+                .zip(numbers)
+                .for_each(|(b, x)| *b = x.to_bits());
+            bits
+        })
+        .collect()
+}
+
+#[test]
+fn any_number_of_threads_and_any_cut_give_the_same_bits() {
+    for sampler in ["independent", "sobol"] {
+        let content = CONTENT.replace("</film>", &format!("</film><sampler type=\"{sampler}\"/>"));
+        let properties = [("photon_count", 5000.0), ("max_depth", 6.0)];
+        let scene = scene(&integrator("sppm", &properties), &content);
+        let with_threads = |threads: usize, count: u32| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| film(&scene, 5, 0, count))
+        };
+        let whole = with_threads(1, 6);
+        assert!(whole.mean().iter().any(|p| p[0] > 0.0));
+        assert_eq!(bits(&with_threads(3, 6)), bits(&whole));
+        let mut cut = with_threads(2, 2);
+        add_passes(&scene, &mut cut, 5, 0, 4);
+        assert_eq!(bits(&cut), bits(&whole));
+        // Runs of different passes merge to the mean of all.
+        let mut shares = film(&scene, 5, 0, 2);
+        shares.merge(&film(&scene, 5, 2, 4));
+        for (a, b) in shares.mean().iter().zip(whole.mean()) {
+            for c in 0..3 {
+                assert!((a[c] - b[c]).abs() <= 1e-12 * b[c].abs());
+            }
+        }
+    }
+}

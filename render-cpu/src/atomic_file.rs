@@ -1,4 +1,4 @@
-//! Files that exist whole or not at all.
+//! Atomic writing of files: a file exists completely or not at all.
 //!
 //! The content goes to a temporary file in the same folder, is flushed to the disk, and only then takes the final
 //! name by a rename, which file systems do in one step. A full disk, a crash or a kill therefore leaves the previous
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
 pub struct WriteError {
-    /// The file that was asked for.
+    /// The file that was to be written.
     pub path: PathBuf,
     /// What went wrong.
     pub source: io::Error,

@@ -1,8 +1,8 @@
-//! Whole files as bytes, with a bound.
+//! Reading whole files into memory, with a limit on their size.
 //!
-//! Readers of this crate take byte slices; this is the one place where a slice comes from the file system. Anything but
-//! a regular file (a device, a pipe, a directory) is refused, because it may never end, and so is what downloads leave under
-//! the name of another file: a pointer of Git LFS, a web page.
+//! Readers of this crate take byte slices; only this module gets them from the file system. Anything but a regular file (a
+//! device, a pipe, a directory) is refused, because it may never end, and so is what a failed download leaves in place of a
+//! file: a pointer of Git LFS, a web page.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -11,9 +11,8 @@ use std::path::Path;
 /// Reads a regular file of at most `max_bytes`.
 ///
 /// # Errors
-/// What the operating system says; [`io::ErrorKind::InvalidInput`] when it is no regular file,
-/// [`io::ErrorKind::FileTooLarge`] when it is longer than `max_bytes`, [`io::ErrorKind::InvalidData`] for what [`mistaken`]
-/// knows.
+/// Those of the operating system; [`io::ErrorKind::InvalidInput`] for anything but a regular file,
+/// [`io::ErrorKind::FileTooLarge`] for more than `max_bytes`, [`io::ErrorKind::InvalidData`] for what [`mistaken`] detects.
 pub fn read_file(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let metadata = file.metadata()?;
@@ -47,7 +46,7 @@ pub fn read_file(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     }
 }
 
-/// What a file holds instead of what its name says, in a sentence: a pointer of Git LFS, or a web page.
+/// Detects a pointer of Git LFS or a web page in place of the file; returns a sentence about it.
 pub fn mistaken(path: &Path, bytes: &[u8]) -> Option<String> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.starts_with(b"version https://git-lfs.github.com/spec/") {

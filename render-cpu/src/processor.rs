@@ -1,4 +1,4 @@
-//! What the processor has beyond what the program is compiled for.
+//! Detects instruction sets beyond the one for which the program is compiled.
 
 use halflight_kernel::simd::SimdLevel;
 

@@ -1,4 +1,4 @@
-//! How many loop iterations an invocation may take: some software devices end all loops early.
+//! Measures how many loop iterations an invocation can take: some software devices end all loops early.
 
 use crate::interface::Dispatch;
 use crate::module;
@@ -6,7 +6,7 @@ use crate::vulkan::{Device, Memory, VulkanError};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Iterations that are asked for: twice what the known limit lets through.
+/// Number of iterations tried: twice the known limit.
 const ITERATIONS: u32 = 1 << 17;
 
 /// Loop iterations that one invocation completes on `device`, [`u32::MAX`] if there is no limit in sight.

@@ -1,9 +1,8 @@
-//! Samples of a film taken by a device.
+//! The backend of the run loop that takes samples on a Vulkan device.
 //!
-//! A layer is one sample of every pixel. It is taken in slices, each a submission that is waited for: their size follows
-//! the device's speed, so that none takes long enough to trip a watchdog. A layer is added to the film when it is
-//! complete, in f64 as the CPU does it; a device that is lost in between, or a run that is to stop, leaves a film of complete
-//! layers.
+//! A layer is one sample of every pixel. It is taken in slices, each a submission that is waited for: their size is adapted
+//! to the device's speed, so that none takes long enough for a watchdog. A layer is added to the film when it is complete, in
+//! f64 as on the CPU; if the device is lost or the run is stopped before, the film consists of complete layers.
 
 use crate::interface::{Dispatch, FEATURE_VECTORS, WORKGROUP, WorkItem};
 use crate::module::{self, StaleModule};
@@ -295,7 +294,7 @@ impl Backend for DeviceBackend {
                 return Ok(PassEnd::Cut);
             };
             let width = film.width();
-            // The place of each pixel in the list; pixels that are not in it keep the end.
+            // The index of each pixel in the list; `u32::MAX` for pixels that are not in it.
             let mut places = vec![u32::MAX; film.statistics().len()];
             for (place, item) in list.iter().enumerate() {
                 places[item.pixel as usize] = place as u32;

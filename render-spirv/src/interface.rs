@@ -10,7 +10,7 @@ pub const WORKGROUP: u32 = 64;
 /// Vectors of four that the surface features of a sample take.
 pub const FEATURE_VECTORS: u32 = 3;
 
-/// What is said once per scene.
+/// Constants of a scene.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct SceneConstants {
@@ -22,7 +22,7 @@ pub struct SceneConstants {
     pub settings: IntegratorSettings,
 }
 
-/// What is said once per dispatch: push constants, at most 128 bytes.
+/// Constants of a dispatch: push constants, at most 128 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Dispatch {
@@ -32,7 +32,7 @@ pub struct Dispatch {
     pub seed: u32,
     /// One of [`halflight_kernel::sampler::sampler_kind`].
     pub sampler: u32,
-    /// Added to a slot for the place of a path: branches follow the paths that they belong to.
+    /// Offset from a slot to the index of its path: branches follow the paths that they belong to.
     pub first: u32,
 }
 
@@ -44,6 +44,6 @@ pub struct WorkItem {
     pub pixel: u32,
     /// Index of the sample.
     pub sample: u32,
-    /// Place of its result and of its path.
+    /// Index of its result and of its path.
     pub slot: u32,
 }

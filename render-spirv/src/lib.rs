@@ -3,8 +3,8 @@
 //! The same scene tables that the CPU renders are uploaded as storage buffers ([`scene_buffers`]); every invocation of a
 //! compute shader (`render-spirv/shaders`) takes one sample of one pixel, or one step of it, with the same functions of
 //! [`halflight_kernel::transport`] and the same random numbers, and the samples are added to the same film
-//! ([`device_backend`]). Two images of the same seed therefore differ by rounding only, and by the few paths that rounding
-//! sends another way.
+//! ([`device_backend`]). Two images of the same seed therefore differ by rounding only, and by the few paths that take another
+//! course because of it.
 //!
 //! # Modules
 //! The modules in `render-spirv/spirv` are committed, so that building this crate needs no shader compiler: that of

@@ -1,9 +1,9 @@
-//! The committed SPIR-V modules and the stamps that say what they were made from.
+//! The committed SPIR-V modules, and stamps of the sources from which they were compiled.
 //!
-//! | module | what for |
+//! | module | purpose |
 //! |---|---|
 //! | `halflight` | rendering; part of the program |
-//! | `probes` | what tests run to compare functions and layouts |
+//! | `probes` | tests, which compare functions and layouts |
 //! | `example` | the shader of `render-spirv/examples/shader` |
 //!
 //! A stamp is a text of three lines: a hash over the names and bytes of every source file that the shader compiler

@@ -1,11 +1,11 @@
-//! Arithmetic on the device as it is written.
+//! Forbids drivers to contract or reorder arithmetic.
 //!
-//! A driver may fuse a product with a sum and reorder what it thinks associative, unless the result is decorated with
-//! `NoContraction` (SPIR-V specification, section 3.20). The compiler decorates nothing, so `build-shaders` does it for
-//! every result of floating-point arithmetic: the triangle test is watertight only if the two products of an edge function
-//! are rounded by themselves (`halflight_kernel::scene::intersect`), and a path through several layers of glass ends where
-//! the processor's path ends only if nothing is rounded otherwise. Functions like the sine are the kernel's own
-//! ([`halflight_kernel::math::float::elementary`]); what is left to differ is the last bits of quotients and roots.
+//! A driver may fuse a product with a sum, and may reorder operations as if they were associative, unless the result is
+//! decorated with `NoContraction` (SPIR-V specification, section 3.20). The compiler decorates nothing, so `build-shaders` does
+//! it for every result of floating-point arithmetic: the triangle test is watertight only if the two products of an edge function
+//! are rounded separately (`halflight_kernel::scene::intersect`), and a path through several layers of glass ends at the same
+//! point as on the processor only if all roundings are the same. Functions like the sine are the kernel's own
+//! ([`halflight_kernel::math::float::elementary`]); only the last bits of quotients and roots can still differ.
 
 use crate::module::instructions;
 use std::collections::HashSet;

@@ -51,7 +51,7 @@ impl Coat {
     };
 }
 
-/// A direction on the other side of the coats and what passing them costs.
+/// A direction on the other side of the coats, and the attenuation between the two.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage {
     /// The direction after the passage.
@@ -64,12 +64,12 @@ pub struct Passage {
     pub valid: bool,
 }
 
-/// Cosine inside below which nothing is taken to pass. Only coats of lower index than their surroundings reach it, near
-/// total reflection; they transmit almost nothing there, the Jacobian has a pole, and the cosine itself is a difference
+/// Cosine inside below which the transmittance is taken as zero. Only coats of lower index than their surroundings reach it,
+/// near total reflection; they transmit almost nothing there, the Jacobian has a pole, and the cosine itself is a difference
 /// that `f32` directions determine to 1e-7 / cos.
 const MIN_COSINE: f32 = 1e-2;
 
-/// The way of `w` from outside through the first `count` coats.
+/// Refracts `w` from outside through the first `count` coats.
 #[inline]
 pub fn enter(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Passage {
     let mut passage = Passage {
@@ -103,8 +103,8 @@ pub fn enter(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
     passage
 }
 
-/// The way of `w` from below all coats to the outside; transmittance and Jacobian are those of [`enter`] at the
-/// direction found.
+/// Refracts `w` from below all coats to the outside; transmittance and Jacobian are those of [`enter`] at the resulting
+/// direction.
 #[inline]
 pub fn leave(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Passage {
     let mut outside = w;
@@ -131,8 +131,8 @@ pub fn leave(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
     }
 }
 
-/// What the coats leave of light that enters along `w` and leaves along the normal: a guess of a coated lobe's share that
-/// needs no second direction, never below what a pair of directions with this `w` transmits.
+/// Transmittance of the coats for light that enters along `w` and leaves along the normal: an estimate of a coated lobe's
+/// share that needs no second direction, and an upper bound of the transmittance for any pair of directions with this `w`.
 #[inline]
 pub fn round_trip(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Rgb {
     let passage = enter(coats, count, data, w);

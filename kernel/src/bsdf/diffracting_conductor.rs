@@ -17,11 +17,12 @@
 //! the algebra in f64), where a facet's diffraction is brightest, so `Q = F(theta_d)` here; then the two parts share F
 //! as `A + (1 - A)`.
 //!
-//! What is left is a defect of the model where the spectrum is broad (`b` about lambda or less): at a grazing wi the facets
-//! keep their reflection, and yet lose to directions nearer the normal what theta_d there says. A white conductor would
-//! return up to a third too much (1.36, tested; with the published Q, 1.98). [`fill_table`] therefore finds, per wavelength and angle, the share `s` of the diffraction
-//! that the reflection leaves room for, and the diffraction is multiplied by `min(s(wi), s(wo))`, which keeps it
-//! symmetric. The limit is 1 where the model conserves energy by itself.
+//! A defect of the model remains where the spectrum is broad (`b` about lambda or less): at a grazing wi the facets keep
+//! their reflection, but the diffraction towards directions nearer the normal is computed from the smaller theta_d there. A
+//! white conductor would return up to a third too much (1.36, tested; with the published Q, 1.98). [`fill_table`] therefore
+//! finds, per wavelength and angle, the share `s` of the diffraction that conserves energy beside the reflection, and the
+//! diffraction is multiplied by `min(s(wi), s(wo))`, which keeps it symmetric. The share is 1 where the model conserves
+//! energy by itself.
 //!
 //! Sampled from the facets' normals with probability about A, else from half vectors whose slopes follow a
 //! K-correlation law of the combined width, on the side that faces `wi` ([`super::microfacet::v_cavity`]). Checked:

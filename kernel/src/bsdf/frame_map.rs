@@ -7,9 +7,9 @@
 //! The new tangent is the old one (normal map) or dp_du (bump map) made orthogonal to n'. Maps nest: the parent's frame
 //! is the surface frame of its child.
 //!
-//! A normal that wi cannot see although it sees the surface would be black: its tangential part is mirrored, n' becomes
-//! 2 (n . n') n - n', which faces wi. The terminator of bumps, where n' is lit and the surface turns away, is softened by
-//! a microfacet shadowing term (Conty Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve
+//! A perturbed normal that faces away from wi although the surface faces it would be black: its tangential part is mirrored,
+//! n' becomes 2 (n . n') n - n', which faces wi. The terminator of bumps, where n' is lit and the surface faces away, is
+//! softened by a microfacet shadowing term (Conty Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve
 //! the Bump Terminator Problem", Ray Tracing Gems): G = 2 / (1 + sqrt(1 + a^2 tan^2 theta)), a^2 = min(1, tan^2(n, n') / 8),
 //! theta the angle between n and the direction towards the light. Both are what the reference renderer does, to the
 //! tolerance in the tests.

@@ -191,8 +191,7 @@ pub(crate) mod plain {
     }
 }
 
-/// Whether [`eval_pdf_both`] may be asked: the lobe is plain, and its value does not depend on which of the two directions is
-/// the known one.
+/// Whether [`eval_pdf_both`] applies: the lobe is plain, and its value does not depend on which of the two directions is known.
 #[inline]
 pub(super) fn is_reciprocal_and_plain(lobe: &Lobe) -> bool {
     let kind = lobe.kind;

@@ -7,9 +7,9 @@
 //! `alpha^2 = 0.09` would return 0.109 at `t = 0.13`). sigma is a Beckmann alpha, not a standard deviation.
 //!
 //! A sum of lobes has `df / dt = sum of f_l / sigma_l^2 (-2 t)`: `1 / sigma^2` is the mean of the lobes' own, weighted by
-//! their values at the pair. A lobe without a peak has zero, so that the roughness grows where a diffuse lobe takes
-//! over, as the paper wants it. Under coats the half vector's slope changes by refraction, and `1 / sigma^2` by the square
-//! of that factor.
+//! their values at the pair. A lobe without a peak has zero, so that the roughness grows where a diffuse lobe dominates, as
+//! the paper intends. Under coats the half vector's slope changes by refraction, and `1 / sigma^2` by the square of that
+//! factor.
 //!
 //! Fall-backs: [`DIFFUSE_ROUGHNESS`] where nothing falls off with `t`; zero where only discrete directions exist; at
 //! `t = 0`, where equation 3 is 0 / 0, its limit. Checked: alpha for Beckmann at every angle, `(alpha^2 + t^2) / 2` for
@@ -111,7 +111,7 @@ fn slope_through_coats(lobe: &Lobe, wi: Vec3, wo: Vec3, i: Vec3, o: Vec3) -> f32
 /// without a cosine, both directions above the surface.
 ///
 /// The pair is turned rigidly in the plane of the normal and the half vector, so that the difference angle stays, to
-/// half vectors around its own; `value cos_i cos_o cos_h^4` stands for the slope density. The chord between two slopes,
+/// half vectors around its own; `value cos_i cos_o cos_h^4` serves as the slope density. The chord between two slopes,
 /// `(ln g(t1) - ln g(t2)) / (t2^2 - t1^2)`, is exact for a Beckmann lobe however far they are apart. The step is a tenth of
 /// the angle and at least a quarter of a degree, which spans a bin of measured data. Zero where the value does not
 /// fall.

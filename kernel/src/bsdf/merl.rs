@@ -28,7 +28,7 @@ pub const DEFENSIVE: f32 = 0.2;
 /// Words before the values: the numbers of cells in theta_h, theta_d, phi_d and theta_i.
 pub const HEADER: usize = 4;
 
-/// Where the parts of a table lie.
+/// The locations of the parts of a table.
 #[derive(Clone, Copy)]
 pub(super) struct Layout {
     pub(super) first: usize,

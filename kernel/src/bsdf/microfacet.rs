@@ -53,7 +53,7 @@ pub struct Microfacets {
     pub alpha: Vec2,
     /// The exponent p of the exponential power distribution; the others do not read it.
     pub exponent: f32,
-    /// What there is in the scene, see [`crate::scene::features`].
+    /// The features that the scene uses, see [`crate::scene::features`].
     #[cfg(target_arch = "spirv")]
     pub features: u32,
 }
@@ -114,7 +114,7 @@ impl Microfacets {
     }
 
     /// Area of the microfacets that face `w`, projected along `w`, per area of macrosurface: `|w.z| / G1`, at least
-    /// `|w.z|`, positive for every unit `w`. The side of `w` is not looked at.
+    /// `|w.z|`, positive for every unit `w`; the same on both sides.
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn projected_area(&self, w: Vec3) -> f32 {
         // |w.z| tan(theta) times the roughness along the azimuth of w.

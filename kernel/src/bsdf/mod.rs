@@ -246,7 +246,7 @@ pub struct Lobe {
     pub exponent: f32,
     /// One of [`mode`].
     pub mode: u32,
-    /// What there is in the scene, see [`crate::scene::features`].
+    /// The features that the scene uses, see [`crate::scene::features`].
     #[cfg(target_arch = "spirv")]
     pub features: u32,
 }

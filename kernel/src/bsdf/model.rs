@@ -1,7 +1,7 @@
 //! The choice of the scattering model by a lobe's kind.
 //!
-//! Directions are in the frame of the model, below the lobe's coats; [`super::lobe`] brings them there. Every kind has its
-//! file beside this one; a discrete model has neither value nor density.
+//! Directions are in the frame of the model, below the lobe's coats; [`super::lobe`] transforms them. Every kind has its own
+//! file beside this one; a specular model has neither value nor density.
 
 use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::{
@@ -283,7 +283,7 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
             lobe.reflectance
         }
         lobe_kind::NULL if lobe.may_be(features::lobe(lobe_kind::NULL)) => Vec3::ONE,
-        // Cells are coarse: where the albedo of one is nothing, some direction may still reflect.
+        // Cells are coarse: some direction may reflect although the albedo of its cell is zero.
         lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
             merl::albedo(lobe, data, float::abs(wi.z))
                 .max(Vec3::splat(1e-3))

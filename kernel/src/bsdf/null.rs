@@ -1,4 +1,4 @@
-//! No interaction: light passes straight on.
+//! Null scattering: light continues straight through the surface.
 //!
 //! f = delta(wo + wi) / |cos|, a single direction with discrete probability one. Masks and index-matched boundaries are
 //! mixtures with this lobe. It has no side and no frame: the direction is -wi whatever the shading normal is.

@@ -113,8 +113,8 @@ pub fn absorption(lobe: &Lobe, cos: f32) -> Rgb {
     coat::absorption(lobe.optical_depth, inside)
 }
 
-/// Probability of sampling the coating for `wi` at cosine `cos` when it reflects the share `reflected`. The way out is
-/// guessed to be along the normal.
+/// Probability of sampling the coating for `wi` at cosine `cos` when it reflects the share `reflected`. The absorption on
+/// the outgoing side is estimated along the normal.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn specular_probability(lobe: &Lobe, cos: f32, reflected: f32) -> f32 {

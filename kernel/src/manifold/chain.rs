@@ -80,8 +80,8 @@ impl<const N: usize> ChainJacobian<N> {
         chain
     }
 
-    /// Solves J dX = dH in place, once; [`ChainJacobian::lu`] does so again and again. False, and zeros, without a finite
-    /// solution.
+    /// Solves J dX = dH in place for a single right-hand side; [`ChainJacobian::lu`] serves several. False, and zeros, without a
+    /// finite solution.
     #[inline]
     pub fn solve(&self, x: &mut [Vec2; N]) -> bool {
         if !self.valid {

@@ -7,7 +7,7 @@
 //!
 //! per area of the disk. Its map from the square: `tan phi = sqrt((k_u + 1) / (k_v + 1)) tan(2 pi u_0)` in the quadrant of
 //! `2 pi u_0`, `cos theta = u_1^(1 / (k_u cos^2 phi + k_v sin^2 phi + 1))`, `z = sin theta e^(i phi)`. A lobe around `a` is
-//! `M_a` of that, turned so that its axes lie where they are wanted ([`DiskLobe::axis`]).
+//! `M_a` of that, rotated so that its axes have the given orientation ([`DiskLobe::axis`]).
 //!
 //! An isotropic lobe has a variance of exactly `1 / (k + 3)` per axis in the disk, hence [`exponent_of_deviation`]. In slope
 //! units that is a Gaussian's for narrow lobes (2 % off at k = 10). Checked: integrates to one around any pivot, chi-square

@@ -2,10 +2,10 @@
 //!
 //! Jakob and Marschner 2012, "Manifold Exploration", with the half vectors of all inner vertices given (thesis section
 //! 8.1.1, "the original correction scheme"). From x_0 a ray towards the guess for x_1 starts a chain that scatters at each
-//! vertex off the microfacet that the target half vector asks for; it ends on the tangent plane of x_k at x_k'. The guess
+//! vertex off the microfacet of the target half vector; it ends on the tangent plane of x_k at x_k'. The guess
 //! moves by `beta T_1 (x_k - x_k')`; beta is halved when a ray is lost, a refraction is total or the end moves away, and
 //! doubled on success, up to one. Converged when x_k' is within [`WalkOptions::position_tolerance`] of the scene's size from
-//! x_k. Half vectors are met exactly, the endpoint to the tolerance: the other way round than in [`super::walk`].
+//! x_k. Half vectors are reproduced exactly, the endpoint within the tolerance: the converse of [`super::walk`].
 //!
 //! Domain: both ends pinned positions. Checked: finds the same paths as the walk where both converge.
 

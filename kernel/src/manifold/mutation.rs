@@ -3,20 +3,20 @@
 //! From the path X and proposed half vectors H':
 //! - the walk finds Y, and the walk from Y to the half vectors of X finds X again: a *walk*. Its densities per area of
 //!   vertices are `p(H' | H) |det J(Y)|` and `p(H | H') |det J(X)|`.
-//! - the walk finds Y but does not come back: nothing. X lies in another sub-manifold than Y.
+//! - the walk finds Y, but the walk back does not find X: the proposal is rejected. X lies in another sub-manifold than Y.
 //! - the walk fails: the first prediction, projected once, may be a valid path Y: a *jump* (thesis section 8.1.2). Its
 //!   density per area is that of the predicted points on the tangent planes of X, carried along the rays to the points found,
 //!
 //!   `p(H' | H) |det J(X)| prod_i G(y_{i-1}, y_i) / G(y_{i-1}, x'_i)`,
 //!
-//!   with x'_i in the tangent plane of x_i and i counted from the end where the projection starts. The way back is the same
-//!   construction: the points x'_i are where the rays of X meet the tangent planes of Y, and its half vectors are
-//!   `H(Y) + J(Y) dX`. It exists only if the walk from Y to them fails as well. That is the condition under which a jump
-//!   would be made from Y, so the pair is in detailed balance.
+//!   with x'_i in the tangent plane of x_i and i counted from the end where the projection starts. The reverse jump is the
+//!   same construction: the points x'_i are the intersections of the rays of X with the tangent planes of Y, and its half
+//!   vectors are `H(Y) + J(Y) dX`. It exists only if the walk from Y to them fails as well. That is the condition under which
+//!   a jump would be made from Y, so the pair is in detailed balance.
 //!
 //! Misprint: the thesis writes `|dX / dH| = |J|^-1` in the first density. A density per area is `p_H |dH / dX|`, with |det J|.
 //!
-//! Checked: the densities of jumps against a histogram of projected predictions; the way back leads to X.
+//! Checked: the densities of jumps against a histogram of projected predictions; the reverse jump leads to X.
 
 use super::chain::ChainJacobian;
 use super::constraint::Edge;
@@ -62,7 +62,7 @@ pub struct Mutation<const N: usize> {
     pub reverse_target: [Vec2; N],
     /// Density per area of vertices over density of the proposed half vectors.
     pub forward_factor: Scaled,
-    /// The same for the way back, to multiply the density of `reverse_target` around the new path.
+    /// The same for the reverse mutation, to multiply the density of `reverse_target` around the new path.
     pub reverse_factor: Scaled,
 }
 

@@ -32,7 +32,7 @@ pub struct Projection<const N: usize> {
 pub struct Landing {
     /// The vertex; the old one when `valid` is false.
     pub vertex: ChainVertex,
-    /// Whether the ray met the material of the old vertex.
+    /// Whether the ray hit the material of the old vertex.
     pub valid: bool,
 }
 
@@ -156,7 +156,7 @@ fn side(x: &ChainVertex, to: &ChainVertex) -> bool {
     x.geometric_normal.dot(to.position - x.position) > 0.0
 }
 
-/// Whether nothing lies between two neighbouring vertices of a chain; behind a pinned direction, on the whole way to
+/// Whether the edge between two neighbouring vertices of a chain is unoccluded; behind a pinned direction, the whole ray to
 /// infinity.
 #[inline]
 pub fn is_edge_free<T: Traverse>(

@@ -26,7 +26,7 @@ use glam::{Mat2, Vec2, Vec3};
 /// The thesis's gamma: a tenth of the optimal step, for visibility is not part of the analysis.
 pub const GAMMA: f32 = 0.1;
 
-/// Part of the image's size that stratification asks a mutation to cross.
+/// Part of the image's size that a mutation should cross for good stratification.
 pub const IMAGE_FRACTION: f32 = 0.02;
 
 /// The roughness to give to a diffuse vertex.
@@ -92,7 +92,7 @@ pub fn ellipse_of(m: Mat2) -> StepEllipse {
 }
 
 /// The step of h_i alone that moves x_{k-1} by `dx_u` and `dx_v`: `D_i^-1 [dx_u dx_v]`. Where D_i has no inverse the vertex
-/// does not steer x_{k-1} both ways, and the image does not limit it.
+/// does not move x_{k-1} in two dimensions, and the image does not limit its step.
 #[inline]
 pub fn image_step(d: Mat2, dx_u: Vec2, dx_v: Vec2) -> StepEllipse {
     let inverse = invert(d);
@@ -102,8 +102,8 @@ pub fn image_step(d: Mat2, dx_u: Vec2, dx_v: Vec2) -> StepEllipse {
     ellipse_of(inverse.inverse * Mat2::from_cols(dx_u, dx_v))
 }
 
-/// Where a ray meets the tangent plane of `x`, as an offset in its tangents; zero for a ray along the plane. The difference
-/// of two pixels' offsets is a ray differential (Igehy 1999).
+/// The intersection of a ray with the tangent plane of `x`, as an offset in its tangents; zero for a ray parallel to the
+/// plane. The difference of two pixels' offsets is a ray differential (Igehy 1999).
 #[inline]
 pub fn tangent_plane_offset(x: &ChainVertex, origin: Vec3, direction: Vec3) -> Vec2 {
     let cosine = direction.dot(x.geometric_normal);

@@ -102,7 +102,7 @@ pub(super) fn largest_element(m: Vec4) -> f32 {
     abs(m.x).max(abs(m.y)).max(abs(m.z).max(abs(m.w)))
 }
 
-/// Whether a block with this determinant, what is left of `before`, can be told from a singular one.
+/// Whether a block with this determinant, the remainder of an elimination from `before`, is regular beyond rounding error.
 #[inline]
 pub(super) fn is_regular(m: Vec4, determinant: f32, before: Vec4) -> bool {
     let scale = largest_element(m);

@@ -12,17 +12,17 @@
 //! tridiagonal linear systems on vector and parallel computers"), which share the lanes of a [`Vec4`]: (top.x, top.y, bottom.x,
 //! bottom.y). The right-hand side is eliminated along, in the shadow of the chain.
 //!
-//! For whoever needs one solution only, as each iteration of a walk does: no factors are kept. Determinants, rows of the
-//! inverse and transfer matrices are [`super::block_tridiagonal::BlockLu`]'s. Singular are systems in which one of these
-//! pivots cannot be told from a singular block, by the same measure as there; they are other pivots but for the first, so
-//! that one solver may refuse a system without pivoting which the other solves. Checked: backward error against f64,
-//! agreement with `BlockLu`, singular and hopeless input.
+//! It serves where a single solution is needed, as in each iteration of a walk, and keeps no factors. Determinants, rows of
+//! the inverse and transfer matrices come from [`super::block_tridiagonal::BlockLu`]. A system is singular if one of these
+//! pivots is within rounding error of a singular block, by the same measure as there. Its pivots differ from those of
+//! `BlockLu` but for the first, so either solver, both being without pivoting, may refuse a system that the other solves.
+//! Checked: backward error against f64, agreement with `BlockLu`, singular and ill-conditioned input.
 
 use super::block::{LARGEST, SINGULAR, SMALLEST, adjugate_product, product, row_of};
 use glam::{Mat2, Vec2, Vec4, Vec4Swizzles};
 
 /// Solves J x = h in place, for the first `len` block rows of `a`, `b`, `c` ([`super::block_tridiagonal`]; `a[0]` and
-/// `c[len - 1]` are not looked at). False, and zeros, when there is no finite solution.
+/// `c[len - 1]` are ignored). False, and zeros, when there is no finite solution.
 #[inline]
 pub fn solve<const N: usize>(
     a: &[Mat2; N],

@@ -11,10 +11,10 @@
 //! J^-1 costs time linear in its length: solutions, the determinant, a block row of the inverse (D_i of equation 8.1) and the
 //! transfer matrices T_i, which say how x_i moves with a vertex behind the last row.
 //!
-//! Where one solution is all that is wanted, [`super::block_elimination`] takes a third of the time.
+//! For a single solution, [`super::block_elimination`] takes a third of the time.
 //!
-//! There is no pivoting across blocks: inside a block the inverse is Cramer's, whatever its scale. A pivot L_i that
-//! cannot be told from a singular one ([`super::block::SINGULAR`]), or a number that is not finite, makes the factorisation `singular`:
+//! There is no pivoting across blocks; inside a block Cramer's rule is exact enough at any scale. A pivot L_i that is
+//! singular to rounding error ([`super::block::SINGULAR`]), or a number that is not finite, makes the factorisation `singular`:
 //! its determinant is zero and every solution is refused. Growth without pivoting is bounded by the pivots' conditions, and
 //! [`BlockLu::condition`] estimates that of the whole. Checked: backward error against f64, determinant, inverse rows and
 //! transfer matrices against a dense solve, singular inputs.
@@ -56,8 +56,8 @@ impl<const N: usize> BlockLu<N> {
         singular: true,
     };
 
-    /// Factors the first `len` block rows. `a[0]` is not looked at; `c[len - 1]` only serves [`BlockLu::transfer`]. More
-    /// rows than the slices or the capacity hold are singular.
+    /// Factors the first `len` block rows. `a[0]` is ignored; `c[len - 1]` is used by [`BlockLu::transfer`] only. More rows
+    /// than the slices or the capacity hold count as singular.
     #[inline]
     pub fn factor(a: &[Mat2], b: &[Mat2], c: &[Mat2], len: usize) -> BlockLu<N> {
         let mut lu = BlockLu {

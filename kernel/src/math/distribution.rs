@@ -88,7 +88,7 @@ pub fn interval(data: &[f32], offset: u32, index: u32, u: f32) -> (f32, f32) {
     (stretched.max(0.0).min(ONE_MINUS_EPSILON), pmf)
 }
 
-/// Equal parts of [0, 1) that a guide tells where to search: a power of two.
+/// Number of equal parts of [0, 1) for which a guide holds the range to search: a power of two.
 const GUIDE_CELLS: u32 = 128;
 
 /// Words of a guide: for each of its cells the first index that a number of the cell can choose (Chen and Asau 1974, "On

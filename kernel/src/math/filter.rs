@@ -35,7 +35,7 @@ pub mod filter_kind {
     pub const LANCZOS: u32 = 5;
 }
 
-/// A filter and where its table lies in `data`.
+/// A filter, and the location of its table in `data`.
 #[derive(Clone, Copy, Debug)]
 pub struct Filter {
     /// One of [`filter_kind`].

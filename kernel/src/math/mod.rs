@@ -1,4 +1,4 @@
-//! Numbers, vectors, frames and mappings that everything else stands on.
+//! Numerics: float functions, vectors, frames, sampling maps, distributions, small linear systems.
 
 pub mod affine;
 pub mod block;

@@ -17,7 +17,7 @@ pub struct Scaled {
 }
 
 impl Scaled {
-    /// Nothing.
+    /// Zero.
     pub const ZERO: Scaled = Scaled {
         mantissa: 0.0,
         exponent: 0,

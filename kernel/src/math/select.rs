@@ -1,7 +1,7 @@
 //! Choices without a branch.
 
-/// `a` if `condition`, else `b`, both being at hand: for conditions that are as good as random, of which a processor
-/// would guess every other one wrong at the cost of some fifteen cycles.
+/// `a` if `condition`, else `b`, where both are computed already: for conditions that are nearly random, half of which a
+/// processor would mispredict, at some fifteen cycles each.
 #[inline]
 pub fn select<T>(condition: bool, a: T, b: T) -> T {
     #[cfg(not(target_arch = "spirv"))]

@@ -1,9 +1,9 @@
 //! Elements of tables by indices that may lie beyond their ends.
 //!
-//! A shader reads what the index says. On hosts what lies beyond the end is zeros, because loops over lanes are vectorised only
-//! where nothing can panic. Lanes gather by offsets of one word instead of two where a compiler sees that offsets are that
-//! small (in half the instructions), so tables have at most [`most_elements`]. Scenes with more are refused where they are
-//! built ([`crate::scene::Tables::oversized`]).
+//! A shader reads without a check. On hosts an index beyond the end reads zeros, because a loop over lanes is vectorised only
+//! if nothing in it can panic. A gather takes half the instructions if the compiler can prove that its offsets fit one word
+//! instead of two; tables therefore have at most [`most_elements`] elements, and larger scenes are refused when they are built
+//! ([`crate::scene::Tables::oversized`]).
 
 /// Element `i` of a constant table, the last one beyond its end.
 ///
@@ -35,7 +35,7 @@ pub fn within<T>(table: &[T], i: u32) -> Option<&T> {
     const { assert!(size_of::<T>().is_multiple_of(4) && align_of::<T>() == 4) };
     let words = const { size_of::<T>() / size_of::<u32>() } as u32;
     let mask = const { most_elements::<T>() - 1 } as u32;
-    // Elements beyond the range of indices are not looked at.
+    // Elements beyond the range of indices are never read.
     if i < table.len() as u32 {
         let offset = (i & mask).wrapping_mul(words) as usize;
         // SAFETY: that of an element that is no later than i, which lies in the table.

@@ -50,7 +50,7 @@ pub const V_CAVITY: u32 = 0;
 /// Separable masking of Smith.
 pub const SMITH: u32 = 1;
 
-/// Roughest alpha that regularisation asks for.
+/// Largest alpha that regularisation yields.
 pub const ALPHA_MAX: f32 = 1.0;
 
 /// Smallest alpha that bounds take: a mirror's bound is [`TAU_MAX`].

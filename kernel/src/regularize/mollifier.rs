@@ -1,4 +1,4 @@
-//! Mollifiers: compact kernels of unit mass that stand in for a delta distribution.
+//! Mollifiers: compact kernels of unit mass that replace a delta distribution.
 //!
 //! `phi_r(x) = K(|x| / r) / r^d` for a bandwidth `r` in `d` dimensions tends to the delta as r -> 0 (Kaplanyan 2017,
 //! thesis, equation 6.1; Hegland and Anderssen 1996). K is radial, zero from distance 1 on, of mass one:

@@ -252,7 +252,7 @@ pub fn mixture_eval_cosine_pdf(
 
 /// Bound of the lobe's own value for reflection or for `transmission`, per steradian; [`TAU_MAX`] for a discrete
 /// direction and where none is known. Coats, which only attenuate, are left out. Oren and Nayar's model grows at
-/// grazing angles; twice Lambert's value stands for it. The heuristics take it.
+/// grazing angles; twice Lambert's value is taken as its bound. The heuristics use it.
 pub fn bound(lobe: &Lobe, transmission: bool) -> f32 {
     let diffuse = lobe.reflectance.max_element() * FRAC_1_PI;
     if transmission && lobe.kind == lobe_kind::ROUGH_DIELECTRIC && !is_index_matched(lobe) {

@@ -72,7 +72,7 @@ impl<const N: usize> HitBatch<N> {
         }
     }
 
-    /// Whether ray `i < N` has met something.
+    /// Whether ray `i < N` has hit a surface.
     #[inline(always)]
     pub fn is_hit(&self, i: usize) -> bool {
         self.t[i] < f32::MAX

@@ -1,15 +1,15 @@
 //! Bitmaps: images over the unit square of texture coordinates, and what lies around them.
 //!
 //! Texel (i, j) of a bitmap of w by h has its centre at ((i + 1/2) / w, (j + 1/2) / h). Every lookup is total:
-//! coordinates that are not finite or absurdly large read some texel. The functions are written without early ways out,
-//! because loops over lanes are to be vectorised ([`crate::simd::lanes`]).
+//! coordinates that are not finite or absurdly large read some texel. The functions have no early returns, so that loops over
+//! lanes can be vectorised ([`crate::simd::lanes`]).
 
 use super::records::*;
 use super::view::Tables;
 use crate::math::{Rgb, element, float, luminance};
 use glam::{Vec2, Vec3};
 
-/// Where a bitmap lies and how it is read; see [`texture_kind::BITMAP`].
+/// Location, size and lookup modes of a bitmap; see [`texture_kind::BITMAP`].
 #[derive(Clone, Copy)]
 pub(crate) struct Bitmap {
     first: u32,
@@ -81,7 +81,7 @@ impl Bitmap {
         )
     }
 
-    /// Four texels, row by row, and the position between them; the first one is the nearest where those are asked for.
+    /// Four texels, row by row, and the position between them; with nearest-texel lookup the first one is the nearest.
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     fn patch(&self, tables: &Tables<'_>, uv: Vec2) -> ([Rgb; 4], Vec2) {

@@ -45,7 +45,7 @@ pub struct FilmPosition {
     pub direction: Vec3,
     /// Distance from the point to the lens point (to the plane z = 0 for parallel rays).
     pub distance: f32,
-    /// The part of it beyond the near clipping plane: what stands nearer to the lens is not seen and hides nothing.
+    /// The part of that distance beyond the near clipping plane: surfaces nearer to the lens are invisible and occlude nothing.
     pub unclipped: f32,
 }
 
@@ -288,7 +288,7 @@ pub fn film_position_through(tables: &Tables<'_>, point: Vec3, lens: Vec2) -> Fi
     result
 }
 
-/// Where the pinhole's ray through the film position of a local point, seen from a lens point, meets the plane z = 1.
+/// Where the pinhole's ray through the film position of a local point, seen from a lens point, intersects the plane z = 1.
 #[inline]
 fn pinhole_slope(camera: &Camera, local: Vec3, lens: Vec2) -> Vec2 {
     let slope = (local.truncate() - lens) / local.z;
@@ -322,7 +322,7 @@ pub fn pixels_per_window_pixel(camera: &Camera) -> f32 {
 }
 
 /// Density per perpendicular area with which rays from the lens point, one per pixel of the window and evenly over its
-/// area, arrive at `point`, `distance` away; zero behind the camera. Clipping planes and the window's rim are not looked at.
+/// area, arrive at `point`, `distance` away; zero behind the camera. Clipping planes and the window's rim are ignored.
 pub fn pdf_perpendicular_area(tables: &Tables<'_>, point: Vec3, distance: f32) -> f32 {
     let camera = &tables.camera;
     let z = transform_point(&camera.to_camera, point).z;
@@ -350,18 +350,18 @@ pub fn optical_axis(camera: &Camera) -> Vec3 {
     transform_vector(&camera.to_world, Vec3::Z).normalize()
 }
 
-/// Where a ray meets the lens from its front.
+/// The intersection of a ray with the lens, from its front.
 #[derive(Clone, Copy, Debug)]
 pub struct LensHit {
     /// The lens point in the local plane z = 0.
     pub lens: Vec2,
     /// Ray parameter.
     pub t: f32,
-    /// Whether the ray meets the lens at all.
+    /// Whether the ray hits the lens.
     pub is_hit: bool,
 }
 
-/// The point at which a ray of light meets a lens that has an extent.
+/// The intersection of a light ray with a lens of finite aperture.
 pub fn intersect_lens(camera: &Camera, ray: &Ray) -> LensHit {
     let miss = LensHit {
         lens: Vec2::ZERO,

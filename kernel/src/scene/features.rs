@@ -1,11 +1,11 @@
-//! What a scene is made of, as bits: shaders are compiled for the scene's own set, without the code for the rest.
+//! The features that a scene uses, as bits: shaders are specialised for them, without the code of all others.
 //!
-//! Compilers of graphics drivers copy all functions to their callers and take more than linear time for the result, so a
-//! shader over every scattering model, texture and light is out of reach for some. The set is a specialisation constant
-//! of the entry points; a test of it stands wherever code belongs to one feature, and a driver removes what the set says
-//! is not there. Hosts hold everything: there every test is true.
+//! Compilers of graphics drivers inline all functions and take more than linear time for the result, so that some cannot
+//! compile a shader over every scattering model, texture and light. The set is a specialisation constant of the entry points;
+//! code of a single feature is guarded by a test of its bit, and the driver removes it where the bit is not set. On hosts
+//! every test is true.
 //!
-//! Invariant (tests): a scene of its own set renders as with all.
+//! Invariant (tests): a scene renders to the same image with its own set as with all features.
 
 #[cfg(not(target_arch = "spirv"))]
 use super::records::*;

@@ -15,8 +15,8 @@
 //! discriminant is 1 - |f - (f.d/d.d) d|^2, which does not cancel for far origins, and roots are c/q and q/a, which do
 //! not cancel for near ones.
 //!
-//! **Leaving a surface**: [`offset_origin`] for a position of which nothing more is known; a
-//! [`super::SurfacePoint`] knows its error and spawns tighter rays.
+//! **Leaving a surface**: [`offset_origin`] for a bare position; a [`super::SurfacePoint`] has a bound of its own error and
+//! spawns rays with a smaller offset.
 
 use super::records::quadric_kind;
 use crate::math::float::{abs, safe_sqrt, sqrt};
@@ -64,7 +64,7 @@ impl ShearedRay {
     }
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleHit {
     /// Ray parameter; [`f32::MAX`] for a miss.
@@ -131,8 +131,8 @@ pub fn intersect_triangle(
     }
 }
 
-/// An edge function, or where rounding has lost it c x b = (c + b) x (b - c) / 2, which keeps what is left of the
-/// difference of nearby vertices. The other triangle at the edge exchanges b and c, which negates every term exactly.
+/// An edge function; where rounding makes it zero, c x b = (c + b) x (b - c) / 2 instead, which preserves the difference of
+/// nearby vertices. The other triangle at the edge exchanges b and c, which negates every term exactly.
 #[inline]
 fn nonzero_edge(edge: f32, cx: f32, cy: f32, bx: f32, by: f32) -> f32 {
     if edge == 0.0 {
@@ -142,7 +142,7 @@ fn nonzero_edge(edge: f32, cx: f32, cy: f32, bx: f32, by: f32) -> f32 {
     }
 }
 
-/// The ray parameter at which a ray that passes through the triangle meets its plane; `z` are the parameters of the
+/// The ray parameter at which a ray that passes through the triangle intersects its plane; `z` are the parameters of the
 /// vertices along the ray's main axis, between which it must lie (slivers have no accurate plane).
 #[inline]
 pub fn plane_distance(origin: Vec3, direction: Vec3, p0: Vec3, p1: Vec3, p2: Vec3, z: Vec3) -> f32 {
@@ -272,8 +272,8 @@ pub fn offset_by(position: Vec3, geometric_normal: Vec3, direction: Vec3, distan
     position + geometric_normal * side
 }
 
-/// The ray from `from` towards `to` that ends a little before it, for visibility. A point that lies on a surface is
-/// offset to the other's side first. With `from` equal to `to` nothing can lie between: `t_max` is zero.
+/// The shadow ray from `from` towards `to`, which ends a little before it. A point on a surface is first offset to the side of
+/// the other point. If `from` equals `to`, nothing can occlude the ray: `t_max` is zero.
 #[inline]
 pub fn segment(from: Vec3, to: Vec3) -> Ray {
     let d = to - from;

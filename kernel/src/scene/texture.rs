@@ -114,8 +114,8 @@ pub(crate) fn leads_to_second(kind: u32, p: Vec2) -> bool {
     (kind == texture_kind::CHECKERBOARD) & is_odd
 }
 
-/// Follows scales and checkerboards to a texture that holds data, with the product of the factors on the way; a
-/// constant is [`NONE`] with its value as the factor.
+/// Resolves nested scales and checkerboards to the texture that holds data, and the product of their factors; a constant is
+/// [`NONE`] with its value as the factor.
 #[inline]
 fn resolve(tables: &Tables<'_>, texture: u32, uv: Vec2) -> (u32, Rgb) {
     let mut factor = Vec3::ONE;

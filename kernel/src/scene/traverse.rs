@@ -5,8 +5,8 @@ use super::batch::{HitBatch, RayBatch};
 use super::hit::Hit;
 use crate::math::Ray;
 
-/// The factor by which a traverser looks beyond its nearest hit. Boxes at the same distance, which rounds differently, are
-/// still visited: an intersection in them may come first in the order.
+/// The factor by which a traverser searches beyond its nearest hit. Boxes at the same distance, which may round differently,
+/// are thereby still visited: of hits at equal distances the one of the lowest index counts.
 pub const REACH: f32 = 1.0 + 1e-6;
 
 /// A ray tracer over the scene's primitives.
@@ -15,7 +15,7 @@ pub trait Traverse {
     /// primitive, and of those the one in the lowest instance: where surfaces coincide, what is hit depends neither on
     /// the tree nor on the order in which it is walked.
     fn closest_hit(&self, ray: &Ray) -> Hit;
-    /// Whether anything lies in `t_min < t < t_max`.
+    /// Whether there is an intersection in `t_min < t < t_max`.
     fn is_occluded(&self, ray: &Ray) -> bool;
 
     /// [`Traverse::closest_hit`] of the first `count` rays.

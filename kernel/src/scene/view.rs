@@ -42,14 +42,14 @@ pub struct Tables<'a> {
     pub camera: Camera,
     /// Facts about the whole.
     pub info: SceneInfo,
-    /// What there is, see [`super::features`]: a constant of the shader.
+    /// The features that the scene uses ([`super::features`]): a constant of the shader.
     #[cfg(target_arch = "spirv")]
     pub features: u32,
 }
 
 #[cfg(not(target_arch = "spirv"))]
 impl Tables<'_> {
-    /// A table with more elements than are looked at ([`most_elements`]), and how many that is.
+    /// The name of a table that has more elements than can be indexed ([`most_elements`]), and that limit.
     pub fn oversized(&self) -> Option<(&'static str, usize)> {
         fn check<T>(name: &'static str, table: &[T]) -> Option<(&'static str, usize)> {
             let most = most_elements::<T>();

@@ -1,8 +1,8 @@
 //! Ambient occlusion: the cosine-weighted part of the hemisphere that is free of geometry up to a distance.
 //!
 //! A(x) = 1/pi int V(x, w, d) cos dw over the hemisphere of the shading normal on the viewer's side (Zhukov et al. 1998).
-//! Cosine sampling makes the estimator the fraction of unoccluded rays. A point that sees nothing occluded is 1, a
-//! closed corner tends to 0; rays that leave the scene are 0, so that silhouettes stand out.
+//! With cosine-weighted sampling the estimator is the fraction of unoccluded rays. A point without occluders has the value 1,
+//! a closed corner tends to 0; camera rays that leave the scene have the value 0, so that silhouettes are visible.
 
 use super::settings::IntegratorSettings;
 use crate::math::warp::square_to_cosine_hemisphere;

@@ -1,7 +1,8 @@
-//! What the sensor sees besides light: albedo, normal, depth, position and texture coordinates of the first surface.
+//! Surface features of a camera sample (arbitrary output variables): albedo, normal, depth, position and texture coordinates
+//! of the first surface.
 //!
-//! Masks are looked through at random by their opacity, mirrors and glass are not followed. A ray that leaves the scene
-//! returns zeros with `hit` false.
+//! A mask is passed at random with the probability of its null lobe; mirrors and glass are not followed. A ray that leaves
+//! the scene returns zeros with `hit` false.
 
 use super::pixel::camera_ray;
 use crate::bsdf::{Bsdf, mode};
@@ -30,7 +31,7 @@ pub struct SurfaceFeatures {
 }
 
 impl SurfaceFeatures {
-    /// Nothing seen.
+    /// The ray left the scene.
     pub const MISS: SurfaceFeatures = SurfaceFeatures {
         albedo: Vec3::ZERO,
         normal: Vec3::ZERO,

@@ -1,4 +1,4 @@
-//! Light-transport algorithms, one per file, and what drives them.
+//! Light transport algorithms, one per file, and their drivers.
 //!
 //! Each algorithm is a function of a scene view, a sampler and a pixel or ray, and returns radiance. They hold no state
 //! between calls, so a front end may call them in any order and from any thread.

@@ -36,7 +36,7 @@ pub struct CompareArgs {
     /// Print JSON instead of a table.
     #[arg(long)]
     pub json: bool,
-    /// Probability that the z-test tells images of the same radiance apart.
+    /// Probability of a false alarm: that the z-test reports a difference between images of the same radiance.
     #[arg(long, default_value_t = Settings::default().false_alarm_rate, value_name = "P", value_parser = parse_rate)]
     pub false_alarm_rate: f64,
     /// Share of the radiance that the z-test never rejects.

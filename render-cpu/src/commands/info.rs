@@ -1,4 +1,4 @@
-//! `halflight info`: what a scene holds before anyone waits for it.
+//! `halflight info`: the contents of a scene, without rendering it.
 
 use super::scene_args::{SceneArgs, build_accel};
 use crate::render::record::sampler_name;

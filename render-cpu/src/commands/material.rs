@@ -1,4 +1,4 @@
-//! `halflight material`: what a material looks like before a scene is rendered with it.
+//! `halflight material`: pictures and diagrams of a material.
 
 use crate::image::png_output::write_png_bytes;
 use crate::material::examples::EXAMPLES;

@@ -1,4 +1,4 @@
-//! `halflight merge`: one image of several that hold different samples.
+//! `halflight merge`: combines images of the same scene that hold different samples.
 
 use crate::atomic_file::WriteError;
 use crate::image::exr_output::{ChannelValues, LayeredImage, write_exr};

@@ -1,7 +1,7 @@
-//! Whether the processor has the instructions that the program was compiled with.
+//! Checks that the processor supports the instruction set for which the program was compiled.
 //!
-//! `.cargo/config.toml` asks for the third level of x86-64. Without it the first of its instructions would end the
-//! program with a bare "illegal instruction"; here it ends with a sentence instead.
+//! `.cargo/config.toml` sets the third level of x86-64. On an older processor the program would end with a bare "illegal
+//! instruction"; this check ends it with an explanation instead.
 
 /// Ends the program with exit code 1 and one line on standard error if the processor lacks instructions that it was
 /// compiled with. To be called first of all.

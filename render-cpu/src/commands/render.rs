@@ -276,7 +276,7 @@ impl RenderArgs {
     }
 }
 
-/// Ctrl-C asks for the end once and ends the program the second time.
+/// The first Ctrl-C requests a regular end of the run, a second one ends the program at once.
 fn install_handler(stop: &Arc<AtomicBool>) {
     let stop = stop.clone();
     let installed = ctrlc::set_handler(move || {

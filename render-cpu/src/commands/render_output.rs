@@ -1,4 +1,4 @@
-//! Where the image of `halflight render` goes, and what is written there.
+//! The output files of `halflight render`: their names, and their contents.
 
 use super::render::RenderArgs;
 use crate::film::Film;
@@ -11,7 +11,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 impl RenderArgs {
-    /// Where the image goes; found out before rendering, so that a bad name costs nothing.
+    /// The name of the image file; determined before rendering, so that a bad name is reported at once.
     pub(super) fn output_path(&self) -> Result<PathBuf, String> {
         let output = match &self.output {
             Some(path) => path.clone(),

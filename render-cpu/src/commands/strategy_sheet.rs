@@ -14,7 +14,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
 
-/// Tells how far a sheet is.
+/// Reports the progress of a sheet.
 struct SheetObserver(ProgressReport);
 
 impl Observer for SheetObserver {

@@ -1,4 +1,4 @@
-//! What the commands of both front ends have in common on a terminal: how much they say, and how they fail.
+//! What the commands of both front ends share on a terminal: verbosity, and the report of an error.
 
 use clap::Args;
 use std::error::Error;

@@ -1,7 +1,7 @@
 //! All metrics of two image files at once.
 //!
-//! Pixels that are not finite in one of the images are counted, and taken out of both; they make no metric infinite and
-//! go unnoticed in none, because their number is a metric itself.
+//! Pixels that are not finite in one of the images are excluded from the metrics, which they would make infinite; their number
+//! is a metric of its own, so that they do not go unnoticed.
 
 use crate::compare::metrics::RgbImage;
 use crate::compare::metrics::cielab::cie76;
@@ -16,7 +16,7 @@ use crate::image::ExrImage;
 use std::fmt;
 use std::str::FromStr;
 
-/// A number that says how much two images differ.
+/// A metric of the difference between two images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Metric {
     /// Mean squared error.
@@ -112,7 +112,7 @@ pub enum CompareError {
         /// What it has instead.
         channels: String,
     },
-    /// Nothing is left to compare.
+    /// No pixels are left to compare.
     #[error("no pixel is finite in both images")]
     NothingFinite,
 }
@@ -128,7 +128,7 @@ pub struct Options {
     pub reference_spp: Option<f64>,
 }
 
-/// Runs behind a variance of which nothing is known.
+/// Number of runs assumed behind a variance whose number of runs is unknown.
 pub const ASSUMED_RUNS: u32 = 16;
 
 /// Outcome of a comparison.

@@ -2,8 +2,8 @@
 //!
 //! The colour map is a path through Oklab (Ottosson 2020): lightness rises evenly from 0.13 to 0.97, the hue turns from
 //! blue over magenta and red to yellow, and the chroma swells and fades like a sine. Equal steps of error look equal,
-//! the order survives grey printing, and red-green blindness takes nothing from it. Below the map stands a legend: a bar
-//! of all colours with its values. Values that are not finite are cyan, which the map does not hold.
+//! the order survives grey printing, and the map remains readable with red-green blindness. Below the map is a legend: a bar
+//! of all colours with its values. Values that are not finite are cyan, which is not a colour of the map.
 
 use crate::image::png_output::srgb_encode;
 

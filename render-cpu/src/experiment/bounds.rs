@@ -1,4 +1,4 @@
-//! Bounds of BSDFs, and what tau does to the largest value of each.
+//! Bounds of BSDFs, and the largest values of regularised BSDFs against tau.
 //!
 //! The first table searches the largest value of the kernel's rough lobes over pairs of directions down to elevations
 //! of 1e-6 and holds it against the bounds of Jendersie and Grosch 2019 (equations 8 and 9) and against the tight
@@ -79,7 +79,7 @@ fn refracted(x: &[f64; 5], alpha: Vec2, eta: f64) -> Option<(Vec3, Vec3)> {
     (cos > 0.0 && squared > 0.0 && wo.z < 0.0).then_some(pair)
 }
 
-/// The largest value of a lobe, as it is or regularised.
+/// The largest value of a lobe, unchanged or regularised.
 fn peak(lobe: &Lobe, effort: u32, transmission: bool, tau: Option<f32>) -> f64 {
     let value = |wi: Vec3, wo: Vec3| {
         let f = match tau {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Why something about a farm cannot be done.
 #[derive(Debug, thiserror::Error)]
 pub enum FarmError {
-    /// What was asked makes no farm.
+    /// The request is inconsistent.
     #[error("{0}")]
     Request(String),
     /// The scene cannot be read.
@@ -53,7 +53,7 @@ pub enum FarmError {
     Incomplete {
         /// Tasks that are not done.
         missing: Vec<u32>,
-        /// Files that are not what their records say.
+        /// Files that do not agree with their records.
         torn: Vec<PathBuf>,
     },
     /// Rendering failed.

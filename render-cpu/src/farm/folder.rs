@@ -1,4 +1,4 @@
-//! A farm's folder: its plan, and where films and logs are.
+//! The folder of a farm: its plan, and the names of films and logs.
 
 use super::error::FarmError;
 use super::plan::Plan;

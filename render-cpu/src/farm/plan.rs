@@ -5,8 +5,8 @@
 //!   those of one run; means of its film round differently in the last bits of f64, see [`super`];
 //! - by *pixels*, task i takes all samples of the tiles i, i + N, i + 2 N ..., so that no pixel's samples are ever summed in
 //!   two places, and the image is that of one run to the last bit. Not for algorithms whose samples splat on other pixels;
-//! - by *seeds*, each task takes as many samples of a seed of its own, for algorithms whose samples do not stand for
-//!   themselves (chains) and for sequences that are better not cut (Sobol').
+//! - by *seeds*, each task takes as many samples with a seed of its own, for algorithms whose samples are not independent
+//!   (Markov chains) and for sequences that are better not divided (Sobol').
 //!
 //! The plan holds the settings of the run as a checkpoint does. Every task compares them with those of the scene that it has
 //! loaded: a scene that was edited in between, or another version of the program, is refused.
@@ -24,7 +24,7 @@ use std::path::PathBuf;
 
 /// Most tasks of a farm.
 pub const MAX_TASKS: u32 = 1 << 20;
-/// Films that a merge takes in, unless told otherwise.
+/// Number of films per merge, by default.
 pub const FAN_IN: u32 = 32;
 /// Side of the squares of pixels that a division by pixels hands out in turn, so that each task has some of every region.
 const TILE: u32 = 16;
@@ -65,7 +65,7 @@ pub struct PlannedScene {
     pub strict: bool,
 }
 
-/// What is asked of a farm beside its scene.
+/// The request for a farm, beside its scene.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The image.

@@ -1,7 +1,7 @@
-//! Records of finished films: length and SHA-256 of a file, and of what it was made.
+//! Records of finished films: length and SHA-256 of a file, and of the files that it was made from.
 //!
-//! A record is written after its film, both atomically, and stands beside it as `NAME.json`. A film without a record is not
-//! finished; one whose bytes are not those of the record is *torn*: cut off by a full disk, damaged in transfer, replaced.
+//! A record is written after its film, both atomically, and lies beside it as `NAME.json`. A film without a record is not
+//! finished; one whose bytes do not agree with its record is *torn*: cut off by a full disk, damaged in transfer, replaced.
 
 use super::error::FarmError;
 use crate::atomic_file::write_atomically;
@@ -45,7 +45,7 @@ impl Record {
     pub fn read(film: &Path) -> Result<Option<Record>, FarmError> {
         let file = record_file(film);
         match read_file(&file, MAX_RECORD_BYTES) {
-            // A record that is none says nothing, like none: its film is made again.
+            // A malformed record counts as a missing one: its film is made again.
             Ok(bytes) => Ok(serde_json::from_slice(&bytes).ok()),
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(source) => Err(FarmError::Io { file, source }),
@@ -83,12 +83,12 @@ impl Record {
         Ok(record)
     }
 
-    /// Whether the film has the recorded length, which costs nothing to know.
+    /// Whether the film has the recorded length, which needs no reading.
     pub fn has_length(&self, film: &Path) -> bool {
         std::fs::metadata(film).is_ok_and(|m| m.is_file() && m.len() == self.bytes)
     }
 
-    /// Reads the film, its bytes compared with the record on the way; `None` if they differ.
+    /// Reads the film and compares its bytes with the record; `None` if they differ.
     ///
     /// # Errors
     /// When the file cannot be read although its bytes are those of the record.

@@ -1,4 +1,4 @@
-//! What of a farm is there: which tasks are done, under way, missing or torn.
+//! The status of a farm: which tasks are done, started, missing or torn.
 
 use super::error::FarmError;
 use super::folder::Folder;
@@ -9,20 +9,20 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 
-/// How it stands with a task.
+/// The status of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskState {
-    /// Its film is finished, and what its record says.
+    /// Its film is finished and agrees with its record.
     Done,
     /// There is a sound checkpoint with this many samples per pixel, but no record: it is being rendered, or was stopped.
     Started(u32),
-    /// There is nothing.
+    /// There is neither a film nor a checkpoint.
     Missing,
-    /// Its film is not what its record says, or its checkpoint is damaged.
+    /// Its film does not agree with its record, or its checkpoint is damaged.
     Torn,
 }
 
-/// How it stands with a farm.
+/// The status of a farm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Status {
     /// The tasks.
@@ -36,7 +36,7 @@ pub struct Status {
 }
 
 impl Status {
-    /// Looks at all tasks. Finished films are believed by their length, or read and digested where `verify` asks for it.
+    /// Examines all tasks. Finished films are checked by their length, or, with `verify`, by their digest.
     ///
     /// # Errors
     /// When a file is there but cannot be read.

@@ -3,9 +3,9 @@
 //! After Tungsten (its author's page describes the reasons), which follows Pajot et al. 2011:
 //!
 //! 1. until every pixel has [`UNIFORM_SAMPLES`] samples, all pixels get the same;
-//! 2. blocks of 4 x 4 pixels: relative squared error of luminance (`kernel::math::statistics`), so that sixteen times
-//!    as many samples stand behind each estimate;
-//! 3. errors are clamped to the 95th percentile of the positive ones: fireflies do not eat the budget;
+//! 2. blocks of 4 x 4 pixels: relative squared error of luminance (`kernel::math::statistics`), so that each estimate is
+//!    based on sixteen times as many samples;
+//! 3. errors are clamped to the 95th percentile of the positive ones, so that fireflies do not use up the budget;
 //! 4. each block takes the largest error of itself and its eight neighbours: noise is coherent in space, and a block
 //!    that has missed its rare bright samples so far is found through a neighbour that has not;
 //! 5. a budget of `samples_per_pixel` times the number of pixels: one sample for each pixel, the rest in proportion
@@ -27,7 +27,7 @@ pub const UNIFORM_SAMPLES: u32 = 16;
 /// Side of a block in pixels.
 const BLOCK: usize = 4;
 
-/// Share of the positive errors that is left as it is.
+/// Share of the positive errors that is not clamped.
 const PERCENTILE: f64 = 0.95;
 
 /// Number of samples of each pixel in the next pass, by rows: at least one each, together exactly

@@ -1,7 +1,7 @@
 //! Arbitrary output variables: which layers an image carries, and the surface features of one camera sample.
 //!
 //! `albedo`, `normal`, `depth`, `position` and `uv` are accumulated per sample; `variance` and `samples` are read off
-//! the radiance statistics, so they cost nothing while rendering and are only a choice of what is written.
+//! the radiance statistics: they need no work while rendering and are only a choice of what is written.
 
 use std::fmt;
 use std::str::FromStr;

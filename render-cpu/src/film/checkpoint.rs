@@ -44,7 +44,7 @@ const BATCH: usize = 4096;
 /// What decides the numbers of an image, by name: scene and its hash, size, seed, integrator, sampler, version ...
 pub type Settings = BTreeMap<String, String>;
 
-/// What a checkpoint says beside its film.
+/// The contents of a checkpoint beside its film.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// The settings that decide the numbers of the image.

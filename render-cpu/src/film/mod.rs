@@ -260,9 +260,9 @@ impl Film {
         self.statistics.iter().map(|p| u64::from(p.rejected)).sum()
     }
 
-    /// The noise that is left, as one number for a progress display: the average over the pixels of the standard
-    /// deviation of the mean luminance over that luminance (at least 0.01), each at most 1, so that a few pixels with
-    /// rare bright samples do not drown the rest. 1 where nothing is known yet.
+    /// The remaining noise, as one number for a progress display: the average over the pixels of the standard deviation of
+    /// the mean luminance over that luminance (at least 0.01), each at most 1, so that a few pixels with rare bright samples
+    /// do not dominate. 1 where there is no estimate yet.
     pub fn relative_noise(&self) -> f64 {
         let mut sum = 0.0;
         for p in &self.statistics {

@@ -1,7 +1,7 @@
 //! Textures from image files.
 //!
 //! PNG (grey, colour, palette, alpha, 1 to 16 bits), JPEG, BMP, TGA, TIFF, PNM, PFM, Radiance HDR and OpenEXR. The format
-//! is told from the first bytes; TGA, which has no mark, from the file's extension. Images of 8 bits stay bytes, all others
+//! is detected from the first bytes; TGA, which has no mark, from the file's extension. Images of 8 bits stay bytes, all others
 //! become three floats per pixel. Grey images repeat their value, alpha of float images is dropped; [`load_channel`] reads
 //! one channel alone.
 //!
@@ -362,7 +362,7 @@ fn color_planes(exr: &ExrImage) -> Option<[&[f32]; 3]> {
         })
 }
 
-/// Replaces what is not finite; says so.
+/// Replaces values that are not finite; returns warnings.
 fn make_finite(data: &mut [f32]) -> Vec<String> {
     let mut repaired = 0_usize;
     for value in data {

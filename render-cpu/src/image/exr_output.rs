@@ -23,7 +23,7 @@ use std::path::Path;
 pub enum ChannelValues {
     /// Floats, written with 32 bits.
     Float(Vec<f32>),
-    /// Colours, written with 32 bits, or with 16 if half floats are asked for.
+    /// Colours, written with 32 bits, or with 16 as half floats.
     Colour(Vec<f32>),
     /// Counts.
     Count(Vec<u32>),

@@ -1,4 +1,4 @@
-//! OpenEXR files as planes of `f32`, whatever their channels are called.
+//! Reading OpenEXR files as planes of `f32`, with any names of channels.
 //!
 //! Scan lines or tiles, any number of parts, half, float and unsigned samples, every compression of the `exr` crate.
 //! Only the largest resolution level is read. Parts (layers) prefix the names of their channels: channel `R` of part

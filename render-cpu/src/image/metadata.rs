@@ -1,4 +1,4 @@
-//! What an image says about its making: the attributes of its EXR file.
+//! Metadata of a rendered image: the attributes of its EXR file.
 //!
 //! Attributes are text, named `scene`, `integrator`, `sampler`, `seed`, `spp`, `sampleRanges`, `renderSeconds` and
 //! `software`, so that every EXR tool shows them. `sampleRanges` is the record that makes merging safe: which samples

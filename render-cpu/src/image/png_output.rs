@@ -1,11 +1,11 @@
-//! Tone-mapped 8-bit PNG, to look at; the EXR beside it has the data.
+//! Tone-mapped 8-bit PNG for viewing; the EXR beside it has the data.
 //!
 //! Per channel, with radiance x:
 //!
-//! 1. exposure: x' = 2^EV x, with EV = 0 unless asked otherwise, so that two renders of a scene compare by eye;
+//! 1. exposure: x' = 2^EV x, with EV = 0 by default, so that two renders of a scene can be compared by eye;
 //! 2. tone curve: y = x' up to a = 0.8, above it the soft shoulder y = a + (1 - a)(1 - exp(-(x' - a) / (1 - a))),
-//!    which continues with the same slope and approaches 1: mid-tones are what the scene says, white paper (1.0) is
-//!    247 of 255, a lamp fades to white instead of being cut;
+//!    which continues with the same slope and approaches 1: mid-tones are unchanged, white paper (1.0) is 247 of 255, a
+//!    lamp fades to white instead of being clipped;
 //! 3. sRGB transfer (IEC 61966-2-1): 12.92 y below 0.0031308, else 1.055 y^(1/2.4) - 0.055;
 //! 4. rounding to the nearest of 256 values, without dithering, so that equal images give equal files.
 //!

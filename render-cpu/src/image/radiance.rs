@@ -1,9 +1,9 @@
-//! Headers of Radiance pictures, for a decoder that knows but the common one.
+//! Headers of Radiance pictures, for a decoder that supports the common pixel order only.
 //!
 //! The last line of a header gives the sizes and the order of the pixels: `-Y 4 +X 6` is four rows of six from the top
 //! left, and each sign and the order of the axes may be another (Ward, "Real Pixels", Graphics Gems II, and the Radiance
-//! manual). [`normalize`] writes the common order, and [`Order::apply`] brings the pixels of such a picture there. Values are taken as
-//! they are, as in Mitsuba: `EXPOSURE` and `COLORCORR` are not undone.
+//! manual). [`normalize`] writes a header of the common order, and [`Order::apply`] reorders the pixels. Values are not
+//! changed, as in Mitsuba: `EXPOSURE` and `COLORCORR` are not undone.
 
 use super::ImageError;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(super) fn is_radiance(bytes: &[u8]) -> bool {
     bytes.starts_with(b"#?RADIANCE") || bytes.starts_with(b"#?RGBE")
 }
 
-/// The picture with a header that the decoder knows, its own order, and what of the header is not followed.
+/// The picture with a header of the common order, its own order, and the parts of the header that are ignored.
 pub(super) fn normalize(
     bytes: &[u8],
     file: &Path,

@@ -1,4 +1,4 @@
-//! What the diagrams of a material show, as numbers.
+//! The data of a material's diagrams.
 //!
 //! All directions lie in the plane of incidence of a flat point at the middle of the texture square: wi at angles from the
 //! normal to the left, wo anywhere. Transmission is unscaled (importance), so that albedos are shares of energy.
@@ -23,7 +23,7 @@ const GRID: u32 = 48;
 pub struct Slice {
     /// Angle of wo from the normal in degrees, positive to the right, and the luminance of f |cos|.
     pub values: Vec<[f32; 2]>,
-    /// Discrete directions: the angle, and the share of the light that goes there.
+    /// Discrete directions: the angle, and the share of the light that is scattered there.
     pub discrete: Vec<[f32; 2]>,
     /// Angle of wo, and the local Beckmann roughness there, where the material scatters to the side of wi.
     pub roughness: Vec<[f32; 2]>,

@@ -16,7 +16,7 @@ const GAP: u32 = 6;
 /// Pictures in a row.
 const COLUMNS: u32 = 7;
 
-/// Draws the contact sheet with `spp` samples per pixel; `done` hears of every picture.
+/// Draws the contact sheet with `spp` samples per pixel; `done` is called after every picture.
 ///
 /// # Errors
 /// When an example cannot be built, or the drawing library fails.

@@ -1,7 +1,7 @@
 //! Pictures of materials: a ball, and diagrams of how it scatters.
 //!
-//! [`source`] finds the BSDF that a person means, [`preview`] puts it on the material ball and renders that, [`curves`]
-//! samples lobes, albedo and local roughness, [`sheet`] draws all of it, and [`gallery`] draws the ball in many materials.
+//! [`source`] finds a BSDF by name or in a file, [`preview`] puts it on the material ball and renders that, [`curves`] samples
+//! lobes, albedo and local roughness, [`sheet`] draws all of it; [`gallery`] draws the ball in the materials of [`examples`].
 
 pub mod curves;
 pub mod examples;

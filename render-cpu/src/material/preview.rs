@@ -13,14 +13,14 @@ use std::error::Error;
 use std::fs;
 use std::sync::atomic::AtomicBool;
 
-/// What goes wrong on the way to a picture.
+/// Any error of making a picture.
 pub type AnyError = Box<dyn Error + Send + Sync>;
 
 const SCENE: &str = include_str!("../../scenes/material-ball.xml");
 const BALL: &str = include_str!("../../scenes/meshes/ball.obj");
 const FOOT: &str = include_str!("../../scenes/meshes/foot.obj");
 
-/// Where the BSDF of the example scene stands in it.
+/// The start of the BSDF in the example scene.
 const START: &str = "<bsdf type=\"roughconductor\" id=\"material\">";
 const END: &str = "</bsdf>";
 /// Where the ball refers to it.

@@ -1,7 +1,7 @@
-//! Which BSDF a name or a file stands for, as XML.
+//! The BSDF that a name or a file denotes, as XML.
 //!
-//! A BSDF of a scene file is cut out as text, with the definitions at the top level of that file that it may refer to, and
-//! pasted into the preview scene: so it is read as it would be where it came from. Definitions in included files are not
+//! A BSDF of a scene file is extracted as text, with the definitions at the top level of that file that it may refer to, and
+//! inserted into the preview scene, where it is read as it would be in its own file. Definitions in included files are not
 //! found.
 
 use super::examples::EXAMPLES;
@@ -65,7 +65,7 @@ pub enum SourceError {
     },
 }
 
-/// The BSDF that `name` stands for: a file, an example of the gallery, or a conductor; `id` chooses in a scene file.
+/// The BSDF that `name` denotes: a file, an example of the gallery, or a conductor; `id` chooses in a scene file.
 ///
 /// # Errors
 /// When there is none.

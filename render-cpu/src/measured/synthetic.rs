@@ -1,8 +1,8 @@
 //! A synthetic measurement that looks like rough nickel.
 //!
 //! Holzschuch et al. 2016 show the local roughness of measured nickel: a narrow peak, long tails around it, and a nearly flat
-//! rest far away. Files of the database cannot be part of this project, so three lobes stand in: GGX of roughness 0.08, Beckmann of
-//! roughness 0.35, and a hundredth of diffuse reflection, the metal's Fresnel reflectance on the first two.
+//! rest far away. Files of the database cannot be part of this project, so three lobes imitate it: GGX of roughness 0.08,
+//! Beckmann of roughness 0.35, both with the metal's Fresnel reflectance, and a hundredth of diffuse reflection.
 
 use super::merl::Merl;
 use crate::scene::ior;

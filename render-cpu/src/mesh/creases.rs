@@ -1,9 +1,9 @@
 //! Vertices are split where faces meet at a large angle: `maxSmoothAngle` of Mitsuba 0.6.
 //!
-//! Faces around a vertex are gathered greedily: the first that is left takes all others whose normal is within the angle of its own,
-//! and they share a vertex, whose normal is theirs alone. Vertices count as one if position, texture coordinates and
-//! attributes are equal, whatever their normals were. As `TriMesh::rebuildTopology` of Mitsuba 0.6 has it, except that faces
-//! come in the order of the file there and here.
+//! Faces around a vertex are grouped greedily: the first ungrouped face collects all others whose normal is within the angle of
+//! its own, and the group gets a vertex of its own, whose normal is computed from these faces only. Vertices are identified by
+//! position, texture coordinates and attributes; given normals are ignored. This is `TriMesh::rebuildTopology` of Mitsuba 0.6,
+//! with the faces in the order of the file.
 //!
 //! Invariant (tests): at an angle of 0 every face is flat, at 180 degrees no edge is sharp.
 

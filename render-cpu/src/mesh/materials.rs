@@ -1,6 +1,6 @@
-//! The materials that a mesh file names.
+//! The materials named in a mesh file.
 //!
-//! OBJ files say `usemtl` before the faces of a material. A scene may give a scattering model to each name; a mesh is then
+//! OBJ files have `usemtl` before the faces of a material. A scene may give a scattering model to each name; a mesh is then
 //! split by material ([`super::Mesh::part`]), as Mitsuba 0.6 does while it reads, so that normals are not smoothed across.
 
 /// Which triangles have which material.

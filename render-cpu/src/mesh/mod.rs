@@ -1,18 +1,17 @@
 //! Triangle meshes and the files that they come from.
 //!
 //! [`obj`], [`ply`] and [`serialized`] each turn bytes into a [`Mesh`]; `read` takes a slice, `load` a path. What they
-//! return has passed [`Mesh::validate`]: whoever holds it may index without checks.
+//! return has passed [`Mesh::validate`], so that its indices need no further checks.
 //!
 //! Readers return the vertex normals of the file and compute none. A file without them gets, in Mitsuba, smooth normals
 //! from the *placed* mesh (the weights are angles, which an affine map changes), so a scene applies its `to_world` first
-//! and calls [`Mesh::compute_vertex_normals`] then, unless face normals are asked for by the scene or by the file
-//! ([`Mesh::face_normals`]).
+//! and calls [`Mesh::compute_vertex_normals`] then, unless the scene or the file sets face normals ([`Mesh::face_normals`]).
 //!
-//! What a reader leaves out or repairs is said in [`Mesh::warnings`]. A file without a usable triangle is no error: its mesh is
+//! [`Mesh::warnings`] lists what a reader left out or repaired. A file without a usable triangle is no error: its mesh is
 //! empty.
 //!
 //! # Hostile files
-//! No reader reserves memory for a count that it has not held against the bytes that are left, and none recurses.
+//! No reader reserves memory for a count before comparing it with the number of bytes that follow, and none recurses.
 
 mod creases;
 mod error;
@@ -76,7 +75,7 @@ pub struct Mesh {
     pub face_attributes: Vec<Attribute>,
     /// Names of materials in the file.
     pub materials: MaterialNames,
-    /// The file asks to be shaded with face normals (`.serialized` only).
+    /// The file demands face normals (`.serialized` only).
     pub face_normals: bool,
     /// Angle in radians beyond which edges are sharp, if the scene gives one; see [`Mesh::split_at_creases`].
     pub max_smooth_angle: Option<f32>,

@@ -7,9 +7,9 @@
 //! are skipped. Which properties are attributes: see [`super::ply_attributes`].
 //!
 //! # Why not a library
-//! `ply-rs-bw` reads the format with bounded reservations, but its own element is a map from names to values for each
-//! vertex, and its typed elements leave to the caller what is most of the work here: columns that are grouped at run time
-//! by their names. What is left over, the header, is the smaller part.
+//! `ply-rs-bw` reads the format with bounded reservations, but it represents each vertex as a map from names to values; its
+//! typed elements leave the grouping of columns by their names at run time to the caller, which is most of the work here. The
+//! rest, the header, is the smaller part.
 
 use super::part::{gather, gather_attributes};
 use super::ply_attributes::{Target, attribute_targets};

@@ -22,7 +22,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Where the next number stands.
+    /// The location of the next number.
     pub(super) fn place(&self) -> Place {
         match self.encoding {
             Encoding::Ascii => Place::Line(self.line),

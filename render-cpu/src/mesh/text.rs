@@ -1,4 +1,4 @@
-//! Text in mesh files: what stands before it, and numbers as programs write them.
+//! Text in mesh files: byte order marks, encodings, and the forms of numbers that other programs write.
 
 use std::borrow::Cow;
 

@@ -1,6 +1,6 @@
 //! An 8-bit RGB image to draw diagrams on and to put pictures into.
 //!
-//! Text is set in DejaVu Sans, which is part of the program: no system font is needed, and the same sheet is drawn everywhere.
+//! Text is set in DejaVu Sans, which is embedded in the program: a drawing does not depend on the fonts of the system.
 
 use plotters::coord::Shift;
 use plotters::prelude::{BitMapBackend, DrawingArea, IntoDrawingArea, IntoFont};

@@ -1,4 +1,4 @@
-//! The file in which a run keeps its state, written now and then and when the run ends.
+//! The checkpoint file of a run, written at intervals and when the run ends.
 
 use super::options::RunState;
 use crate::film::Film;

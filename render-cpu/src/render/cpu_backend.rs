@@ -23,7 +23,7 @@ use std::sync::{Mutex, PoisonError};
 /// Side of the square of pixels that a thread takes at a time.
 const TILE: u32 = 16;
 
-/// Renders a scene from nothing to its goal: the short way for library users.
+/// Renders a scene to its goal in one call, for users of the library.
 ///
 /// # Errors
 /// If the film cannot be made.

@@ -1,4 +1,4 @@
-//! What a run shall do, where it stands, and how it ended.
+//! The goal of a run, its state, and its outcome.
 
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ pub struct RenderOptions {
     pub adaptive: bool,
 }
 
-/// Where a run stands; kept in checkpoints.
+/// The state of a run; kept in checkpoints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RunState {
     /// Complete passes.
@@ -40,6 +40,6 @@ pub struct RunState {
 pub enum Outcome {
     /// The goal is reached.
     Finished,
-    /// Somebody asked it to stop.
+    /// A request to stop ended it.
     Interrupted,
 }

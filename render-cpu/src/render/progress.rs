@@ -1,4 +1,4 @@
-//! How far a run is: a bar on a terminal, plain lines elsewhere, nothing when it shall be quiet.
+//! Progress of a run: a bar on a terminal, plain lines elsewhere, no output with `--quiet`.
 
 use super::options::{Goal, RunState};
 use crate::film::Film;
@@ -51,7 +51,7 @@ impl ProgressReport {
         }
     }
 
-    /// Tells about the state after a pass.
+    /// Reports the state after a pass.
     pub fn update(&mut self, state: &RunState, film: &Film) {
         let elapsed = self.start.elapsed();
         let done = match self.goal {

@@ -1,4 +1,4 @@
-//! What is recorded about a run: the settings that its checkpoints hold, and the metadata of its image.
+//! Records of a run: the settings in its checkpoints, and the metadata of its image.
 
 use super::options::{RenderOptions, RunState};
 use crate::film::Film;
@@ -45,7 +45,7 @@ pub fn run_settings(path: &Path, scene: &Scene, options: &RenderOptions, aovs: A
     settings
 }
 
-/// What the image of a run says about its making.
+/// The metadata of a run's image.
 pub fn image_metadata(
     path: &Path,
     scene: &Scene,

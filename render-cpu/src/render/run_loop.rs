@@ -17,7 +17,7 @@ use std::time::Instant;
 /// Longest time that a pass should take, so that checkpoints, clocks and Ctrl-C are heeded.
 const PASS_SECONDS: f64 = 2.0;
 
-/// What the loop tells about between two passes.
+/// Receives the state of a run between two passes.
 pub trait Observer {
     /// Called after every pass; an error ends the run and is handed to the caller.
     ///
@@ -30,7 +30,7 @@ pub trait Observer {
     ) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
 }
 
-/// An observer that looks away.
+/// An observer that does nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoObserver;
 

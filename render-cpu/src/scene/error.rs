@@ -8,7 +8,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A place in a file. Lines and columns count from 1, columns in characters.
+/// A location in a file. Lines and columns count from 1, columns in characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
     /// The file.
@@ -56,15 +56,15 @@ pub enum SceneError {
         /// What is wrong, in one sentence.
         message: String,
     },
-    /// Something is wrong with a file, at a place in it or as a whole.
+    /// An error in a file, at a location in it or as a whole.
     #[error("{location}: {message}")]
     File {
-        /// The file, and the place where known.
+        /// The file, and the line and column if known.
         location: Location,
         /// What is wrong, in one sentence.
         message: String,
     },
-    /// Something is wrong with what was asked on the command line.
+    /// An error in the options of the command line.
     #[error("{0}")]
     Request(String),
 }

@@ -1,8 +1,8 @@
-//! Contents of files, kept for the next time that a scene is built.
+//! A cache of decoded files, for scenes that are built repeatedly.
 //!
-//! A scene whose parameters change is built anew from its object tree ([`super::xml::ParsedScene::with_values`]). What was
-//! read from meshes, bitmaps and measurements does not change, so that it is read and decoded once. Whoever builds a scene
-//! once keeps nothing: contents are dropped as soon as they are in the tables.
+//! A scene whose parameters change is built anew from its object tree ([`super::xml::ParsedScene::with_values`]). The contents
+//! of meshes, bitmaps and measurements do not change, so they are read and decoded once. For a scene that is built once nothing
+//! is kept: contents are dropped as soon as they are in the tables.
 
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
@@ -35,7 +35,7 @@ impl KeptFiles {
         self.keeps.store(true, Ordering::Relaxed);
     }
 
-    /// The contents of a file, read now unless kept; `variant` tells ways of reading the same file apart.
+    /// The contents of a file, read unless cached; `variant` distinguishes ways of reading the same file.
     ///
     /// # Errors
     /// What `read` returns.

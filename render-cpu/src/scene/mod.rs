@@ -1,8 +1,8 @@
 //! From scene files to the kernel's tables.
 //!
 //! [`xml`] reads a Mitsuba scene into a tree of objects with typed properties, [`color`] turns spectra into linear
-//! sRGB, [`ior`] knows indices of refraction by name, [`transform`] prepares matrices. Everything that can go wrong
-//! on the way is a [`error::SceneError`] with file, line and element.
+//! sRGB, [`ior`] holds indices of refraction by name, [`transform`] prepares matrices, and [`build`] fills the tables. Every
+//! error is an [`error::SceneError`] with file, line and element.
 
 pub mod build;
 pub mod color;

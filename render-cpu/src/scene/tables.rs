@@ -1,4 +1,4 @@
-//! The owned tables of a scene, and what they amount to.
+//! The owned tables of a scene, and their view and size.
 
 use crate::accel::GroupRange;
 use halflight_kernel::scene::{

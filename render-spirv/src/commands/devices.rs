@@ -1,4 +1,4 @@
-//! `halflight-gpu devices`: what there is to render on.
+//! `halflight-gpu devices`: lists the devices.
 
 use crate::canary::loop_budget;
 use crate::vulkan::{Device, Instance, VulkanError};

@@ -32,7 +32,7 @@ impl DeviceArgs {
     }
 }
 
-/// An error if the validation layer said anything.
+/// An error if the validation layer reported anything.
 pub(crate) fn check_validation(device: &Device) -> Result<(), VulkanError> {
     match device.instance().validation_messages() {
         0 => Ok(()),

@@ -1,8 +1,8 @@
-//! Where a device finds the fields of the records that host and shaders exchange.
+//! Layouts of the records that host and shaders exchange, as the device sees them.
 //!
-//! A table of two records is filled with words that say where they lie. A probe reads the first word of every field of the
-//! second record by its name, which gives the fields' offsets and the records' distance as the device sees them. The lists
-//! of fields are exhaustive: a new one that is missing here does not compile.
+//! A table of two records is filled with words that hold their own offsets. A probe reads the first word of every field of the
+//! second record by its name, which gives the offsets of the fields and the stride of the records on the device. The lists of
+//! fields are exhaustive: a new field that is missing here does not compile.
 
 use crate::interface::{Dispatch, SceneConstants, WorkItem};
 use halflight_kernel::scene::{

@@ -1,4 +1,4 @@
-//! Single lobes through the kernel's interface of lobes: value and density, samples, colours, bounds.
+//! Probes of single lobes: value and density, samples, albedo, bounds.
 
 use bytemuck::{Pod, Zeroable};
 use halflight_kernel::bsdf::{Coat, Lobe, event, lobe};
@@ -107,7 +107,7 @@ pub fn lobe_of(i: &LobeInput, features: u32) -> Lobe {
     }
 }
 
-/// Value times cosine, density, and what the choice between lobes goes by.
+/// Value times cosine, density, and the weight for the choice between lobes.
 pub fn value(i: &LobeInput, data: &[f32], features: u32) -> LobeOutput {
     let lobe = lobe_of(i, features);
     let (wi, wo) = (vector(i.wi), vector(i.wo));

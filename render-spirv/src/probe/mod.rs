@@ -1,8 +1,8 @@
 //! Function probes: kernel functions over buffers of inputs, to compare devices with the processor.
 //!
-//! Host and shaders compile these very files: a probe unpacks a record, calls the kernel and packs what it returns. On a
-//! device every invocation takes one record (`render-spirv/shaders/src/probe.rs`), on the host the same functions give
-//! what is expected (`render-spirv/tests/probes.rs`, with the tolerances and their reasons). There is no formula here.
+//! Host and shaders compile the same files: a probe unpacks a record, calls the kernel and packs the result. On a device every
+//! invocation processes one record (`render-spirv/shaders/src/probe.rs`); on the host the same functions give the expected
+//! results (`render-spirv/tests/probes`, with the tolerances and their reasons). There is no formula here.
 
 pub mod chains;
 pub mod layout;
@@ -13,7 +13,7 @@ pub mod vectors;
 
 use bytemuck::{Pod, Zeroable};
 
-/// What a dispatch of probes is told.
+/// Constants of a dispatch of probes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct ProbeDispatch {

@@ -1,4 +1,4 @@
-//! How much memory the buffers of a device take.
+//! Accounting of the device memory that buffers take.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -24,7 +24,7 @@ impl Default for Allocations {
 }
 
 impl Allocations {
-    /// Counts an allocation, unless it goes beyond the limit.
+    /// Counts an allocation; false, and nothing counted, beyond the limit.
     pub(super) fn add(&self, bytes: u64) -> bool {
         let used = self.used.fetch_add(bytes, Ordering::Relaxed) + bytes;
         if used > self.limit.load(Ordering::Relaxed) {
@@ -35,7 +35,7 @@ impl Allocations {
         true
     }
 
-    /// Counts a buffer that is gone.
+    /// Subtracts a buffer that is freed.
     pub(super) fn remove(&self, bytes: u64) {
         self.used.fetch_sub(bytes, Ordering::Relaxed);
     }

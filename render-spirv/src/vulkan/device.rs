@@ -1,7 +1,7 @@
 //! A logical device with one compute queue.
 //!
-//! What it can do is said beside what it is done to: buffers in [`super::memory`], entry points in [`super::pipeline`],
-//! work in `submission`.
+//! Its operations are implemented beside their objects: buffers in [`super::memory`], entry points in [`super::pipeline`],
+//! submissions in `submission`.
 
 use super::allocations::Allocations;
 use super::error::{VulkanError, call};

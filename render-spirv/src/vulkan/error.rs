@@ -1,4 +1,4 @@
-//! What can go wrong with a Vulkan device, in sentences that say what to do.
+//! Errors of Vulkan devices, with messages that suggest a remedy.
 
 use ash::vk;
 
@@ -8,13 +8,13 @@ pub enum VulkanError {
     /// There is no loader library.
     #[error("no Vulkan loader was found ({0}); install a driver with Vulkan 1.2 and libvulkan")]
     NoLoader(String),
-    /// The loader knows no device.
+    /// The loader finds no device.
     #[error("no Vulkan device was found; `halflight render` needs none")]
     NoDevice,
-    /// `--device` fits nothing.
+    /// `--device` matches no device.
     #[error("no Vulkan device is \"{wanted}\"; there are: {known}")]
     UnknownDevice {
-        /// What was asked for.
+        /// The argument of `--device`.
         wanted: String,
         /// Numbers and names of all devices.
         known: String,
@@ -56,7 +56,7 @@ pub enum VulkanError {
         /// Name of the device.
         device: String,
     },
-    /// The device is gone: a crash, a reset, or it was removed.
+    /// The device was lost: by a crash, a reset, or its removal.
     #[error("{0} was lost while it rendered")]
     DeviceLost(String),
     /// A submission did not end in time.

@@ -1,4 +1,4 @@
-//! The Vulkan instance, its devices and which of them to take.
+//! The Vulkan instance, its devices, and the choice among them.
 //!
 //! Discrete GPUs come before integrated ones, virtual ones and CPUs; `--device` names one by its number in that order or
 //! by a part of its name. A device needs Vulkan 1.2, the Vulkan memory model and a compute queue.
@@ -14,7 +14,7 @@ const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 /// What kind of machine a device is; the order is that of preference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DeviceKind {
-    /// A card of its own.
+    /// A discrete graphics card.
     Discrete,
     /// Part of the processor's chip.
     Integrated,
@@ -26,7 +26,7 @@ pub enum DeviceKind {
     Other,
 }
 
-/// A device that the instance knows.
+/// A device of the instance.
 #[derive(Clone, Debug)]
 pub struct DeviceDescription {
     pub(super) handle: vk::PhysicalDevice,
@@ -281,7 +281,7 @@ impl Drop for Instance {
     }
 }
 
-/// Counts and logs what the validation layer says.
+/// Counts and logs the messages of the validation layer.
 unsafe extern "system" fn on_message(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,

@@ -1,4 +1,4 @@
-//! Buffers: where they live, how they get there, how the host reads them.
+//! Buffers: their memory, uploads, and reads by the host.
 
 use super::device::Device;
 use super::error::{VulkanError, call};
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// Where a buffer lives.
+/// The kind of memory of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Memory {
     /// Fast for the device.

@@ -1,8 +1,7 @@
-//! As much of Vulkan as compute shaders over storage buffers need.
+//! The part of Vulkan that compute shaders over storage buffers need.
 //!
-//! All unsafe code of the crate lives in this module; what its files hand out is safe to use: objects keep
-//! their device alive, and no buffer is touched by the host while a submission runs, because every submission is waited
-//! for before the call returns.
+//! All unsafe code of the crate is in this module, behind safe interfaces: objects keep their device alive, and the host does
+//! not access a buffer while a submission runs, because every call waits for its submission before it returns.
 
 mod allocations;
 pub mod device;

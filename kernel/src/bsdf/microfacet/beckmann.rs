@@ -68,7 +68,7 @@ pub fn sample_visible_normal(w: Vec3, u: Vec2) -> Vec3 {
     slope.normal(w)
 }
 
-/// The quantile of the visible slope along the azimuth of a direction, on its way to the solution.
+/// The state of the iteration for the quantile of the visible slope along the azimuth of a direction.
 #[derive(Clone, Copy, Debug)]
 pub struct VisibleSlope {
     /// Cosine and sine of the direction.

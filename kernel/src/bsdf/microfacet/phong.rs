@@ -8,7 +8,7 @@
 //! Smith's projected area has no closed form here; Walter et al. put Beckmann's of the same `alpha` in its place, and so
 //! does every renderer. At alpha 1 a grazing direction sees 1.77 times the area that is divided by, so that rough
 //! Phong surfaces gain energy at grazing angles: a white furnace returns at most 1.003 at alpha 0.3, 1.07 at 0.5 and 1.35
-//! at 1 (tested). Their values are those of other renderers; who wants conservation takes another distribution.
+//! at 1 (tested). The values agree with other renderers; where energy must be conserved, take another distribution.
 //! `alpha` is at most 1: beyond, the density grows towards the horizon without bound.
 
 use crate::math::float::{exp, ln, ln_1p, safe_sqrt, sin_cos_turns, sqrt};

@@ -72,7 +72,7 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3, u: Vec2) -> Di
     sample_with_point(tables, emitter, reference, u).0
 }
 
-/// [`sample`] and the surface point that it chose, which means nothing where there is no sample.
+/// [`sample`], and the sampled surface point, which is undefined without a sample.
 #[inline]
 pub fn sample_with_point(
     tables: &Tables<'_>,

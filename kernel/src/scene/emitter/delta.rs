@@ -1,4 +1,4 @@
-//! Lights that shine from one point or in one direction.
+//! Lights of a single position or a single direction.
 //!
 //! - Point: intensity I in all directions, `E = I / d^2`.
 //! - Spot: `E = I f(theta) T / d^2` along +z of its frame. The falloff f is one inside the beam's angle and falls

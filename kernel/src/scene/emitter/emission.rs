@@ -1,4 +1,4 @@
-//! Rays that leave emitters, and the densities of given ones.
+//! Sampling of rays that leave emitters, and the density of a given ray.
 //!
 //! A ray starts at x_0 in the direction w with a density that is a product of two, per area at x_0 and per solid angle:
 //!
@@ -12,12 +12,12 @@
 //! | constant, environment | the same disk | the table of next event estimation | L / (p_A p_w) |
 //!
 //! The emitter is chosen as for next event estimation; the probability of the choice is part of the density of the
-//! position. A discrete position or direction has the density one. Light from infinity has no position that it starts from:
-//! its direction is a density per solid angle, and the first surface that the ray meets is reached with the density p_A
-//! \|cos\| per area, whatever its distance (Veach 1997, section 8.2 and 10.1).
+//! position. A discrete position or direction has the density one. Light from infinity has no starting position: its
+//! direction has a density per solid angle, and the first surface that the ray hits is sampled with the density p_A \|cos\|
+//! per area, at any distance (Veach 1997, sections 8.2 and 10.1).
 //!
-//! Weights of strategies need one more number, [`light_cosine`], by which densities at the emitter and at
-//! the first surface point relate: \|w.n_g\| on area lights, the squared distance for discrete positions, one at infinity.
+//! The weights of strategies need one more number, [`light_cosine`], which relates the densities at the emitter and at the
+//! first surface point: \|w.n_g\| on area lights, the squared distance for discrete positions, one at infinity.
 //!
 //! Invariants (tests): rays follow their densities (chi-square), [`density`] of a sampled ray is the sampled density, and
 //! the mean weight is the emitter's power.
@@ -38,7 +38,7 @@ pub fn is_infinite(kind: u32) -> bool {
         || kind == emitter_kind::ENVIRONMENT
 }
 
-/// Whether no ray meets emitters of the kind by chance: their position or their direction is discrete.
+/// Whether no ray can hit emitters of the kind, because their position or their direction is discrete.
 #[inline]
 pub fn is_delta(kind: u32) -> bool {
     kind == emitter_kind::POINT
@@ -47,7 +47,7 @@ pub fn is_delta(kind: u32) -> bool {
         || kind == emitter_kind::DIRECTIONAL
 }
 
-/// With which density a ray leaves an emitter.
+/// The density of a ray that leaves an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmissionDensity {
     /// Per area, the choice of the emitter included; the probability of the choice where the position is discrete.
@@ -75,11 +75,11 @@ impl EmissionDensity {
 pub struct EmissionSample {
     /// The ray.
     pub ray: Ray,
-    /// Emitted radiance times the cosine at the emitter over the density: what the ray carries.
+    /// Emitted radiance times the cosine at the emitter over the density: the flux of the ray.
     pub weight: Rgb,
     /// Its density.
     pub density: EmissionDensity,
-    /// The point of an area light; of other emitters only the position means anything.
+    /// The point of an area light; for other emitters only the position is defined.
     pub point: SurfacePoint,
     /// Index of the emitter, [`NONE`] for no sample.
     pub emitter: u32,
@@ -100,7 +100,7 @@ impl EmissionSample {
         emitter: NONE,
     };
 
-    /// Whether it carries any light.
+    /// Whether it carries flux.
     #[inline]
     pub fn is_some(&self) -> bool {
         self.emitter != NONE && self.weight.max_element() > 0.0
@@ -214,8 +214,8 @@ pub fn density(
     result
 }
 
-/// The number by which densities of the directions between an emitter and the first surface point, `distance2` squared away,
-/// relate: see the table above.
+/// The factor that relates the densities at an emitter and at the first surface point, at a squared distance of `distance2`:
+/// see the module.
 #[inline]
 pub fn light_cosine(
     tables: &Tables<'_>,
@@ -234,14 +234,14 @@ pub fn light_cosine(
     }
 }
 
-/// Density per area of the disk across a direction that light from infinity passes.
+/// Density per area of the disk, perpendicular to a direction, through which light from infinity is sampled.
 #[inline]
 fn disk_pdf(tables: &Tables<'_>) -> f32 {
     let radius = tables.info.radius;
     FRAC_1_PI / (radius * radius)
 }
 
-/// A ray in `direction` that starts on the disk of the scene's radius before the scene.
+/// A ray in `direction` that starts on the disk of the scene's radius in front of the scene.
 #[inline]
 fn from_disk(tables: &Tables<'_>, direction: Vec3, u: Vec2) -> Ray {
     let radius = tables.info.radius;
@@ -282,7 +282,7 @@ fn delta_direction_pdf(tables: &Tables<'_>, emitter: u32, direction: Vec3) -> f3
     let cos_theta = local.z / local.length();
     if record.kind == emitter_kind::SPOT {
         let one_minus_cos = cone(record.parameters[1]);
-        // What rounding puts just outside carries no light.
+        // Directions that rounding puts just outside carry no light.
         if 1.0 - cos_theta <= one_minus_cos {
             warp::uniform_cone_pdf(one_minus_cos)
         } else {

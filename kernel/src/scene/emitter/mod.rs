@@ -1,9 +1,9 @@
-//! Light sources: choosing one, sampling the light that arrives at a point from it, and the density of having done so.
+//! Light sources: choosing one, sampling its direct illumination at a point, and the densities of both.
 //!
 //! Direct light at a reference point x is estimated by `radiance f cos V / pdf` with a [`DirectSample`]: first one
 //! emitter is chosen by the cumulative `selection_cdf` of the table, then a direction towards it. `pdf` is per solid
 //! angle at x and includes the probability of the choice; for delta lights (point, spot, projector, directional) it is
-//! that probability alone, and `radiance` stands for the light's irradiance on a surface that faces it.
+//! that probability alone, and `radiance` holds the light's irradiance on a surface that faces it.
 //!
 //! - [`area`]: emission of shapes, one-sided;
 //! - [`environment`]: light from infinity in all directions;
@@ -80,7 +80,7 @@ pub fn sample_direct(tables: &Tables<'_>, reference: Vec3, u_select: f32, u: Vec
     sample
 }
 
-/// [`sample_direct`], and the point of an area light that it chose (of other emitters it means nothing).
+/// [`sample_direct`], and the sampled point of an area light (undefined for other emitters).
 pub fn sample_direct_with_point(
     tables: &Tables<'_>,
     reference: Vec3,

@@ -1,10 +1,10 @@
-//! Uniform points of emitting shapes, for light that starts there.
+//! Uniformly sampled points of emitting shapes, where light walks start.
 //!
 //! A mesh's triangle is chosen by the table of cumulative areas, then a uniform point on it; disks, cylinders and spheres
 //! take a uniform point of the canonical surface, whose area the affine map stretches by `|det A| |A^-T N|`, N the
 //! canonical unit normal. The density per world area is `pmf / area` on meshes, `1 / (canonical area * stretch)` elsewhere:
 //! constant unless the map squeezes a sphere or a cylinder. For spheres this differs from [`super::area::sample`], which
-//! chooses points by the solid angle that they fill for the point they light.
+//! samples the solid angle that the sphere subtends at the illuminated point.
 //!
 //! Invariants (tests): the density integrates to one over the surface, and [`pdf_position`] at a sampled point is the
 //! sampled density.

@@ -1,4 +1,4 @@
-//! What rays meet: triangles, analytic shapes, what primitives share, and placed copies of groups.
+//! Geometry: triangles, analytic surfaces, the shapes that they belong to, and instances of groups.
 
 use bytemuck::{Pod, Zeroable};
 

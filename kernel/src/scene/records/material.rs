@@ -1,4 +1,4 @@
-//! Materials: lobes, their coats, what mixes them and what perturbs their frames.
+//! Materials: lobes, their coats, mixing factors, and maps that perturb their frames.
 
 use super::{NONE, RgbParameter, ScalarParameter};
 use bytemuck::{Pod, Zeroable};

@@ -1,9 +1,10 @@
-//! The surface at a hit, for callers that must not panic whatever the traverser says.
+//! The surface at a hit with all indices checked, for callers that must not panic on any hit.
 //!
-//! [`surface_at`](super::surface_at) looks up a hit's primitive, its shape and vertices and its instance, and a traverser
-//! over other tables than the view's would lead it beyond their ends, to a panic or to zeros. Here each look-up asks
-//! first, once, and the hit is refused. Walks on manifolds use it; a traverser over the same tables is never refused. Checked:
-//! hits of every index against `surface_at`; that the walk, compiled, calls no panic handler (`benches/README.md`).
+//! [`surface_at`](super::surface_at) looks up a hit's primitive, its shape, vertices and instance. A traverser over other
+//! tables than the view's would lead it beyond their ends: to a panic, or to zeros. Here every index is compared with the
+//! length of its table first, and an invalid hit is rejected. Walks on manifolds use it; hits of a traverser over the same
+//! tables are always valid. Checked: hits of every index against `surface_at`; that the compiled walk calls no panic handler
+//! (`benches/README.md`).
 
 use super::instance::transform_to_world;
 use super::point::{SurfacePoint, detail};
@@ -17,12 +18,12 @@ use crate::scene::records::NONE;
 use crate::scene::view::Tables;
 use glam::Vec2;
 
-/// A surface, or that there is none.
+/// A surface point, or none.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckedSurface {
     /// As [`super::surface_at`] has it; zeros when `valid` is false.
     pub point: SurfacePoint,
-    /// Whether the tables hold all that belongs to the hit.
+    /// Whether all indices of the hit are within the tables.
     pub valid: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Surface points under an instance's map.
 //!
-//! Positions and tangents go by the map, normals by its inverse transpose, so a mirrored instance keeps its outside
-//! outside.
+//! Positions and tangents are transformed by the map, normals by its inverse transpose, so that the outside of a mirrored
+//! instance remains the outside.
 
 use super::normal::NormalMap;
 use super::point::SurfacePoint;

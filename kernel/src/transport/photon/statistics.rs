@@ -197,5 +197,5 @@ pub fn optimal_bandwidth(v: f32, laplacian: f32, m: f32) -> f32 {
     pow(sixth_power, 1.0 / 6.0).min(UNBOUNDED)
 }
 
-/// Stands for an infinite radius; callers clamp it.
+/// An infinite radius, as a number; callers clamp it.
 pub const UNBOUNDED: f32 = 1e12;

@@ -120,7 +120,7 @@ impl Perceived {
         }
     }
 
-    /// What is left after the eye's contrast sensitivity, as Hunt-adjusted CIELab.
+    /// The image filtered by the eye's contrast sensitivity, as Hunt-adjusted CIELab.
     fn filtered_lab(&self, width: usize) -> Vec<[f64; 3]> {
         // Weights and widths of the Gaussians (table 1 of the 2020 paper); the largest width gives the common radius.
         let radius = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as usize;

@@ -18,16 +18,16 @@
 //!   of a wrong value. So each variance is the larger of the pixel's own and the mean of its 5 x 5 neighbourhood, of
 //!   which some pixel has caught the event. Where the samples behind both images are known, a variance is moreover at
 //!   least that of the other image, scaled by the ratio of samples: the same scene has much the same variance per
-//!   sample. All this can only make the test more patient.
+//!   sample. All this can only make the test more conservative.
 //! - *Neighbouring pixels may be correlated*: a renderer that splats each sample into all pixels under its filter leaves
 //!   the variance of a block's mean larger than independent pixels say, threefold for a Gaussian of deviation 0.5. The
 //!   factor, the sum of the autocorrelation of z over lags up to 3 pixels, is estimated from differences of pixels
 //!   8 apart: those cancel a systematic difference between the images, which must not excuse itself as correlation.
 //!   Lags below two standard errors count as zero, so independent pixels get a factor near 1.
-//! - *Some pixels have no variance* (a lamp seen directly) and differ by rounding. The floor, a share of the radiance
-//!   that is never tested, stands at every level: it does not average out.
+//! - *Some pixels have no variance* (a lamp seen directly) and differ by rounding. The floor, a share of the radiance below
+//!   which differences are not tested, applies at every level, because such differences do not average out.
 //!
-//! Stratified samples overestimate their variance: patient again.
+//! Stratified samples overestimate their variance, which makes the test more conservative as well.
 //!
 //! A test draws images of equal distribution and counts the alarms against alpha, and finds a bias of one percent.
 
@@ -50,7 +50,7 @@ pub struct Estimate<'a> {
 /// How strict the test is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Probability that images of the same radiance are told apart.
+    /// Probability of a false alarm: that images of the same radiance are reported as different.
     pub false_alarm_rate: f64,
     /// Share of the radiance that is never tested.
     pub relative_floor: f64,
@@ -315,8 +315,8 @@ fn smoothed(variance: &RgbImage) -> Vec<[f64; 3]> {
     result
 }
 
-/// Most that noise is believed to be correlated: a Gaussian of deviation 0.5, the usual filter, has pi.
-/// More is a difference between the images that has found its way into the estimate.
+/// Largest factor accepted for correlated noise: a Gaussian of deviation 0.5, the usual filter, has pi. A larger estimate is
+/// caused by a systematic difference between the images.
 const MAX_CORRELATION: f64 = 4.0;
 
 /// Sum of the autocorrelation of z over the lags that are significant, at least 1 and at most 4.

@@ -1,19 +1,19 @@
-//! The errors of an image that the comparison of algorithms states.
+//! The error metrics in a comparison of algorithms.
 //!
 //! Against a reference R of relative variance V = mean of Var R / (R^2 + 0.01):
 //!
 //! - relative MSE: mean of e = (I - R)^2 / (R^2 + 0.01) over pixels and channels
 //!   ([`crate::compare::metrics::relative_mse`]);
-//! - the same without the worst 0.1 % of the pixels, by the mean of e over a pixel's channels: of a single image it says
-//!   more, because few samples that are very bright do not decide it;
-//! - both less V, where the reference has variance layers: the reference's own noise is in every measured error. What is
-//!   left of an error near V is itself uncertain, and may be negative;
+//! - the same without the worst 0.1 % of the pixels, by the mean of e over a pixel's channels: more meaningful for a single
+//!   image, because a few very bright samples do not dominate it;
+//! - both minus V, where the reference has variance layers: every measured error contains the reference's own noise. The
+//!   remainder of an error near V is itself uncertain, and may be negative;
 //! - RMS of relative residuals ([`crate::compare::metrics::residual_rms`]);
-//! - sigma = sqrt(mean of Var I / (R^2 + 0.01)): the noise that the image's own samples tell of, comparable with the
-//!   square root of the relative MSE, which is greater where an algorithm has not met part of the light yet.
+//! - sigma = sqrt(mean of Var I / (R^2 + 0.01)): the noise estimated from the image's own samples, comparable with the square
+//!   root of the relative MSE, which is greater where an algorithm has not sampled part of the light yet.
 //!
 //! By pairs, the other image J is as noisy as I: squares (I - J)^2 are halved, residuals divided by sqrt(2), and R is the mean of
-//! both. CIE76, SSIM and FLIP have no such law; they state the difference of the two as it is.
+//! both. CIE76, SSIM and FLIP do not scale so; they state the difference between the two images.
 
 use crate::compare::comparison::layer;
 use crate::compare::metrics::RgbImage;

@@ -1,11 +1,11 @@
-//! Which algorithm renders a scene best: images of equal processor time against a reference, and error over time.
+//! Comparison of algorithms on a scene: images of equal processor time against a reference, and the error over time.
 //!
-//! All algorithms of [`INTEGRATORS`] that are asked for render the same scene in turn, slice by slice, so that whatever else
-//! the machine does hits all of them ([`mod@race`]). After 1/128, 1/64 ... 1 of the time their images are measured ([`errors`]);
-//! the numbers become a table, a diagram and JSON ([`report`]), the last images a contact sheet with insets ([`sheet`]).
+//! The chosen algorithms of [`INTEGRATORS`] render the same scene in turn, slice by slice, so that other load on the machine
+//! affects all of them ([`mod@race`]). After 1/128, 1/64 ... 1 of the time their images are measured ([`errors`]); the numbers
+//! become a table, a diagram and JSON ([`report`]), the last images a contact sheet with insets ([`sheet`]).
 //!
 //! Without a reference each algorithm renders two images with different random numbers, each for the whole time, and is measured
-//! by their difference; that says nothing of what both miss.
+//! by their difference, which does not show light that both miss.
 
 pub mod errors;
 pub mod race;
@@ -92,7 +92,7 @@ fn image(film: &Film) -> RgbImage {
     RgbImage::new(film.width() as usize, film.height() as usize, film.mean())
 }
 
-/// Renders and measures; `done` hears of each share of the budget that is spent.
+/// Renders and measures; `done` is called after each share of the budget.
 ///
 /// # Errors
 /// If a film cannot be made or a pass fails.
@@ -149,7 +149,7 @@ pub fn run(
         .collect())
 }
 
-/// Hands on the image of the first run, and what it is measured by.
+/// Calls a function with the image of the first run and the image that it is measured against.
 fn with_yardstick<R>(
     runs: &[Runner],
     reference: Option<&Reference>,

@@ -1,9 +1,9 @@
 //! Algorithms that render the same scene in turn, each for the same processor time or the same number of samples.
 //!
-//! Processor time is that of all threads of the program, user and system, so that a machine that does something else beside
-//! is fair all the same. The budget is spent in shares 2^-7, 2^-6 ... 1; within a share everybody renders slices of at most a
-//! sixteenth of the budget, one after the other. How many samples a slice takes follows from what those before cost, so the
-//! time is met to about the cost of a sample of every pixel. With a budget of samples the images depend on the seed alone.
+//! Processor time is that of all threads of the program, user and system, so that the comparison is fair on a busy machine as
+//! well. The budget is spent in shares 2^-7, 2^-6 ... 1; within a share the algorithms take turns with slices of at most a
+//! sixteenth of the budget. The number of samples in a slice follows from the time of earlier ones, so that the budget is kept
+//! to about one sample per pixel. With a budget of samples the images depend on the seed alone.
 
 use crate::accel::Accel;
 use crate::film::aov::AovSet;
@@ -116,7 +116,7 @@ impl Runner {
     }
 }
 
-/// Lets everybody spend the budget; `at_share` looks at the images after each share of it.
+/// Runs all algorithms until the budget is spent; `at_share` is called with their images after each share of it.
 ///
 /// # Errors
 /// If a pass fails.

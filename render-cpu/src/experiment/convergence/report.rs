@@ -18,12 +18,12 @@ pub struct Subject {
     pub reference: Option<String>,
     /// The reference's relative variance, if it is known.
     pub reference_variance: Option<f64>,
-    /// What everybody spent, in words.
+    /// The budget of each algorithm, in words.
     pub budget: String,
 }
 
 impl Subject {
-    /// With what is to be said of a reference.
+    /// The report with the data of a reference.
     pub fn with_reference(mut self, name: &str, reference: &Reference) -> Subject {
         self.reference = Some(name.to_owned());
         self.reference_variance = reference.relative_variance;

@@ -2,7 +2,7 @@
 //!
 //! Unless they are given, the parts are those where the algorithms differ most: square windows of a sixth of the image, not
 //! overlapping, by the spread between algorithms of the mean square root of the error per pixel, which a few bright pixels do
-//! not decide.
+//! not dominate.
 
 use super::Outcome;
 use crate::plot::canvas::{Canvas, DrawError, text_style};

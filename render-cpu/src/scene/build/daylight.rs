@@ -8,7 +8,7 @@
 //! | `scale`, `sky_scale`, `sun_scale` | factors | 1 |
 //! | `sun_radius_scale`, or `sun_aperture` (degrees) | size of the disk; 0 makes the sun a directional light | 1, 0.5358 |
 //! | `stretch` | above 1 the sky reaches below the horizon | 1 |
-//! | `extend` | the sky goes on below the horizon, ever darker | false |
+//! | `extend` | the sky continues below the horizon and darkens towards the nadir | false |
 //! | `resolution` | width of the image | 512 |
 //!
 //! Up is +y before version 2 and +z from then on. The sun of every version is that of 0.6; Mitsuba 3 has another.

@@ -1,7 +1,7 @@
 //! Integrator plugins to the kernel's settings.
 //!
-//! Some integrators stand around others and add to what those compute: `aov`, `moment`, `adaptive`, `irrcache`, and
-//! `multichannel` with its `field`s. The one inside runs, with its own parameters; what is added becomes layers of the image.
+//! Some integrators enclose others and add to their results: `aov`, `moment`, `adaptive`, `irrcache`, and `multichannel` with
+//! its `field`s. The enclosed integrator runs, with its own parameters; the additions become layers of the image.
 
 use super::options::BuildOptions;
 use crate::film::aov::{Aov, AovSet};
@@ -17,13 +17,13 @@ const MAX_DEPTH: usize = 16;
 /// Most light walks of a pass: their photons take some hundred gigabytes.
 const MAX_PHOTONS: i64 = 1 << 28;
 
-/// What will run.
+/// The integrator that will run.
 pub(super) struct Integrator {
     /// Its parameters.
     pub settings: IntegratorSettings,
     /// Its name.
     pub name: String,
-    /// What is asked for beside the image.
+    /// Additional layers of the image.
     pub layers: AovSet,
 }
 
@@ -171,7 +171,7 @@ fn innermost<'a>(
     innermost(inner, layers, depth + 1)
 }
 
-/// Adds what an `aov` or a `field` asks for, under the names of both versions.
+/// Adds the layer of an `aov` or a `field`, under the names of both versions.
 fn add_layer(
     object: &Object,
     property: &str,

@@ -1,7 +1,7 @@
 //! From the object tree of a scene file to the kernel's tables.
 //!
-//! One pass over the tree: each plugin of each kind has one function here that reads its properties, fills records and
-//! says in an error or a warning what it cannot do. Objects that several others refer to are built once.
+//! One pass over the tree: each plugin of each kind has one function here that reads its properties, fills records, and
+//! reports unsupported input by an error or a warning. Objects that several others refer to are built once.
 
 mod builder;
 mod daylight;
@@ -36,17 +36,17 @@ pub struct Scene {
     pub settings: IntegratorSettings,
     /// Its plugin name.
     pub integrator: String,
-    /// Layers that the scene asks for beside the image.
+    /// Additional layers of the image, as set in the scene.
     pub layers: AovSet,
     /// One of [`halflight_kernel::sampler::sampler_kind`].
     pub sampler: u32,
-    /// The name of the sampler that was asked for; the one above stands in for those that are not there.
+    /// The name of the requested sampler; `sampler` is the one that replaces it if it is not supported.
     pub sampler_name: String,
-    /// Samples per pixel that the scene asks for.
+    /// Samples per pixel, as set in the scene.
     pub spp: u32,
-    /// Seed that the scene asks for.
+    /// Seed, as set in the scene.
     pub seed: u32,
-    /// What was read but could not be used as written.
+    /// Warnings about input that could not be used as written.
     pub warnings: Vec<Warning>,
     /// Plugins by kind and name, with how often each occurs.
     pub plugins: Vec<(String, usize)>,

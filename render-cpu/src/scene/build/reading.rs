@@ -29,7 +29,7 @@ impl Reading {
     pub(super) fn of(object: &Object) -> Result<Reading, SceneError> {
         let mut transfer = Transfer::OfFormat;
         match object.opt_float("gamma")? {
-            // As if nothing were said.
+            // The default.
             None | Some(0.0) => {}
             Some(1.0) => transfer = Transfer::Linear,
             Some(-1.0) => transfer = Transfer::Srgb,

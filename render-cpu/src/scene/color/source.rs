@@ -35,7 +35,7 @@ impl ColorUse {
 pub struct Converted {
     /// Linear sRGB.
     pub rgb: [f32; 3],
-    /// Why the colour is not what was asked for.
+    /// Why the colour differs from the given one.
     pub warning: Option<String>,
 }
 

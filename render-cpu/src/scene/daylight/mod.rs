@@ -30,7 +30,7 @@ pub struct Daylight {
     pub to_sun: DVec3,
     /// Factor on the polar angles of the sky and the sun: above 1 the sky reaches below the horizon.
     pub stretch: f64,
-    /// Whether the sky goes on below the horizon, ever darker towards the nadir.
+    /// Whether the sky continues below the horizon, darkening towards the nadir.
     pub extend: bool,
     /// Factor on the sky, or nothing for none.
     pub sky_scale: Option<f64>,

@@ -1,11 +1,11 @@
-//! Where the sun stands, from place and time.
+//! The position of the sun at a location and time.
 //!
 //! Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira 2001, "Computing the Solar Vector": ecliptic, celestial and
 //! local coordinates with the parallax, good to half a minute of arc between 1999 and 2015.
 
 use glam::DVec3;
 
-/// A place and its local time.
+/// A location on the earth, and its local time.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaceAndTime {
     /// Degrees to the north.

@@ -1,4 +1,4 @@
-//! What was read, before references are resolved: a flat list of objects.
+//! A scene as read, before references are resolved: a flat list of objects.
 
 use std::collections::HashMap;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! Files of a scene: reading one, including others, and where further files are sought.
+//! Files of a scene: reading one, including others, and the search paths of further files.
 
 use std::path::{Path, PathBuf};
 
@@ -155,7 +155,7 @@ fn identity(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// The message of the XML reader, whose place we print ourselves.
+/// The message of the XML reader without its location, which is printed in our own form.
 fn message_without_place(error: &roxmltree::Error) -> String {
     let message = error.to_string();
     let place = format!(" at {}", error.pos());

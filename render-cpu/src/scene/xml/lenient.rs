@@ -1,15 +1,15 @@
-//! XML as scene files have it: what Mitsuba's reader accepts although it is not well-formed.
+//! Scene files that are not well-formed XML, but that Mitsuba's readers accept.
 //!
-//! Mitsuba 2 and 3 read with pugixml, which asks for less than the XML recommendation; version 0.6 (Xerces) checks more but
-//! knows document types. [`repair`] rewrites a text so that a conforming reader takes it:
-//! - the XML declaration goes (the text is decoded already), so that white space may stand before it;
-//! - a document type goes, unless it declares entities, which nobody needs here and hostile files misuse;
-//! - comments become blank, since they may hold `--`;
-//! - `&` that begins no reference, and `<` within an attribute, become references;
-//! - attributes that follow each other without white space get some.
+//! Mitsuba 2 and 3 read with pugixml, which is more lenient than the XML recommendation; version 0.6 (Xerces) checks more but
+//! supports document types. [`repair`] rewrites a text so that a conforming reader accepts it:
+//! - the XML declaration is removed (the text is decoded already), so that white space may precede it;
+//! - a document type is removed, unless it declares entities, which scenes do not need and hostile files misuse;
+//! - comments become blank, since they may contain `--`;
+//! - an `&` that begins no reference, and a `<` within an attribute, become references;
+//! - attributes that follow each other without white space are separated.
 //!
-//! What is removed leaves blanks and line feeds, so that places in messages stay those of the file; what is added
-//! moves only the columns behind it on its line.
+//! Removed text is replaced by blanks and line feeds, so that lines and columns in messages remain those of the file; an
+//! insertion moves only the columns behind it on its line.
 
 use std::borrow::Cow;
 
@@ -62,7 +62,7 @@ impl<'a> Repairer<'a> {
         self.replace(end, &blanks);
     }
 
-    /// What stands between elements.
+    /// Processes text between elements.
     fn step(&mut self) {
         let rest = self.rest();
         let Some(special) = rest.find(['<', '&']) else {

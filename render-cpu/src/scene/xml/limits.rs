@@ -1,6 +1,6 @@
-//! What a hostile scene file may cost at most.
+//! Limits on the resources that a scene file can consume.
 //!
-//! Each limit is far above what real scenes need; reaching one is an error that names the place.
+//! Each limit is far above what real scenes need; exceeding one is an error with its location.
 
 /// Nesting of elements, and length of a chain of references.
 pub const MAX_DEPTH: usize = 64;

@@ -22,7 +22,7 @@ use crate::scene::error::{Diagnostics, SceneError, suggestion};
 pub enum Origin<'a> {
     /// A file.
     File(&'a Path),
-    /// A text, and the name of the file that it stands for.
+    /// A text, and the file name to use for it.
     Text(&'a str, &'a Path),
 }
 
@@ -262,7 +262,7 @@ impl Loader<'_> {
         Ok(result)
     }
 
-    /// Moving objects stand still at their first key.
+    /// Animated transforms are replaced by their first key.
     fn animation(
         &mut self,
         node: Node<'_, '_>,

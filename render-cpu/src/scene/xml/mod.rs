@@ -1,11 +1,11 @@
 //! Mitsuba scene files, versions 0.6, 2 and 3, as a tree of objects.
 //!
-//! [`parse_scene`] reads a file with everything that it includes, puts parameters in, brings 0.6 names to those of
-//! today, resolves references and returns the root [`Object`]. Nothing is built yet: an object is a kind, a plugin
-//! name and typed properties, and remembers where it stood and which of its properties were asked for, so that
-//! [`unused`] can point at those that nobody understood.
+//! [`parse_scene`] reads a file with everything that it includes, substitutes parameters, replaces names of version 0.6 by
+//! current ones, resolves references and returns the root [`Object`]. Nothing is built yet: an object is a kind, a plugin name
+//! and typed properties, with its location in the file. It records which of its properties were queried, so that [`unused`]
+//! can report those that were not understood.
 //!
-//! What hostile files may cost is bounded: see [`limits`].
+//! The resources that hostile files can consume are bounded: see [`limits`].
 
 mod document;
 mod edit;
@@ -64,8 +64,8 @@ impl ParsedScene {
 /// `defines` are the parameters `-D name=value`, later ones win. When `strict`, warnings are errors.
 ///
 /// # Errors
-/// The first thing that makes the scene unreadable: a missing file, malformed XML, an element that is not known where
-/// it stands, a value of a wrong form, a broken or circular reference, a parameter that nothing uses.
+/// The first reason that makes the scene unreadable: a missing file, malformed XML, an element that is not allowed where it
+/// occurs, a malformed value, a broken or circular reference, an unused parameter.
 pub fn parse_scene(
     path: &Path,
     defines: &[(String, String)],
@@ -77,7 +77,7 @@ pub fn parse_scene(
     finish(document, parameters, diagnostics)
 }
 
-/// Reads a scene from memory; `name` stands for the file in messages, and relative files are sought beside it.
+/// Reads a scene from memory; `name` serves as the file name in messages, and relative files are searched beside it.
 ///
 /// # Errors
 /// As [`parse_scene`].

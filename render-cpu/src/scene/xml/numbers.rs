@@ -1,7 +1,7 @@
 //! Numbers and lists of numbers as scene files write them.
 //!
 //! Numbers are finite and in the range of f32, which is what the kernel computes in; lists are separated by commas,
-//! white space or both. Errors are sentences without a place, which the caller adds.
+//! white space or both. Errors are sentences without a location, which the caller adds.
 
 /// A number.
 pub fn float(text: &str) -> Result<f64, String> {
@@ -53,7 +53,7 @@ pub fn floats(text: &str) -> Result<Vec<f64>, String> {
     items(text).map(float).collect()
 }
 
-/// Three numbers, or one that stands for three.
+/// Three numbers, or one that is repeated.
 pub fn triplet(text: &str) -> Result<[f64; 3], String> {
     match *floats(text)? {
         [x] => Ok([x; 3]),

@@ -1,7 +1,7 @@
 //! Objects, their properties, and the values that these take, other objects among them.
 //!
-//! An [`Object`] is shared (`Arc`) by everything that refers to it; its `index` tells objects apart, so that a builder
-//! can build each once. Looking at a property marks it as used.
+//! An [`Object`] is shared (`Arc`) by everything that refers to it; its `index` identifies it, so that a builder can build
+//! each object once. Querying a property marks it as used.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -34,7 +34,7 @@ pub enum ObjectKind {
     Volume,
     /// `<spectrum type="...">`.
     Spectrum,
-    /// Elements that Mitsuba knows and Halflight has no use for.
+    /// Elements of Mitsuba that Halflight does not support.
     Other,
 }
 
@@ -168,7 +168,7 @@ impl Property {
             queried: AtomicBool::new(false),
         }
     }
-    /// Whether anyone looked at it.
+    /// Whether it was queried.
     pub fn queried(&self) -> bool {
         self.queried.load(Ordering::Relaxed)
     }
@@ -194,7 +194,7 @@ pub struct Properties {
 }
 
 impl Properties {
-    /// Adds a property. Where one of that name is there, its place is returned, and it is replaced if `replaces`.
+    /// Adds a property. If there is one of that name, its location is returned, and it is replaced if `replaces`.
     pub(super) fn insert(&mut self, property: Property, replaces: bool) -> Result<(), Location> {
         if !property.name.is_empty() {
             if let Some(&i) = self.by_name.get(&property.name) {
@@ -255,7 +255,7 @@ impl<'a> Child<'a> {
 pub struct Object {
     /// What it is.
     pub kind: ObjectKind,
-    /// The plugin that it asks for, `type` in the file.
+    /// The name of its plugin, `type` in the file.
     pub plugin: String,
     /// Its name, if it has one.
     pub id: Option<String>,
@@ -310,16 +310,16 @@ impl Object {
             None => self.warn(message),
         }
     }
-    /// Says that the object is being built, so that its unused properties deserve a warning. Getters say so too.
+    /// Marks the object as built, so that its unused properties are warned about. Getters do so too.
     pub fn touch(&self) {
         self.touched.store(true, Ordering::Relaxed);
     }
-    /// Says that the object is not built, and that its user was told so: its properties deserve no warning.
+    /// Marks the object as left out with a warning of its own: its properties are not warned about.
     pub fn ignore(&self) {
         self.touch();
         self.properties.iter().for_each(Property::mark);
     }
-    /// Whether anything of it was looked at.
+    /// Whether it was marked as built.
     pub fn touched(&self) -> bool {
         self.touched.load(Ordering::Relaxed)
     }

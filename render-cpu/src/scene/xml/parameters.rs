@@ -1,7 +1,7 @@
-//! Parameters: `-D name=value` and `<default name value>`, put in for `$name` in any attribute.
+//! Parameters: `-D name=value` and `<default name value>`, substituted for `$name` in any attribute.
 //!
-//! At a `$`, the longest known name that follows is taken, so that `$res` and `$resx` can live together and
-//! `$folder/mesh.obj` needs no braces. What was put in is not looked at again: a value cannot expand further.
+//! After a `$`, the longest known name that matches is taken, so that `$res` and `$resx` can coexist and `$folder/mesh.obj`
+//! needs no braces. A substituted value is not expanded again.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

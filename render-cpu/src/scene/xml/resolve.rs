@@ -1,6 +1,6 @@
 //! From the flat list to the tree: references become shared objects.
 //!
-//! Each object is made once, however often it is referred to, so that nested references cannot blow up.
+//! Each object is made once, however often it is referred to, so that nested references cannot grow exponentially.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -28,7 +28,7 @@ impl Source {
         Source::of_lines(path, repair(text).into_owned())
     }
 
-    /// A text under a name as it is.
+    /// A text that needs no decoding, under a file name.
     fn of_lines(path: &Path, text: String) -> Source {
         let line_starts = std::iter::once(0)
             .chain(text.match_indices('\n').map(|(at, _)| at + 1))
@@ -47,7 +47,7 @@ impl Source {
         Ok(Source::new(path, &text))
     }
 
-    /// The place of a byte.
+    /// The location of a byte.
     pub fn location(&self, byte: usize) -> Location {
         let line = self.line_starts.partition_point(|&start| start <= byte) - 1;
         let start = self.line_starts[line];
@@ -63,7 +63,7 @@ impl Source {
     }
 }
 
-/// Finds a file or folder: an absolute one as it is, a relative one in the search paths in order.
+/// Finds a file or folder: by its absolute path, or in the search paths in order.
 ///
 /// Files written on Windows name folders with backslashes; where such a file does not exist, slashes are tried.
 pub fn find(search_paths: &[PathBuf], name: &str) -> Option<PathBuf> {
@@ -118,7 +118,7 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
     decode(path, bytes)
 }
 
-/// The text of a file in the encoding that it says it has.
+/// The text of a file, decoded from the encoding that it declares.
 fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
     let (encoding, mark) = match Encoding::for_bom(&bytes) {
         Some(found) => found,

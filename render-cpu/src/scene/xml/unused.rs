@@ -1,7 +1,7 @@
-//! What of a scene nobody asked for.
+//! Warnings about unused properties.
 //!
-//! After a scene is built, every property of an object that was built should have been looked at; one that was not is
-//! misspelt, belongs to another plugin or to a feature that is not there.
+//! After a scene is built, every property of the objects that were built should have been queried; one that was not is
+//! misspelt, or belongs to another plugin or to an unsupported feature.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::object::Object;
 use super::object::Value;
 use crate::scene::error::SceneError;
 
-/// Warns of every unused property of the objects that were looked at.
+/// Warns about every unused property of the objects that were built.
 ///
 /// # Errors
 /// The first such warning, when the scene is read strictly.
@@ -18,7 +18,7 @@ pub fn warn_unused(root: &Arc<Object>) -> Result<(), SceneError> {
     let mut seen = HashSet::from([root.index]);
     let mut pending = vec![root.clone()];
     while let Some(object) = pending.pop() {
-        // What was never built is reported where it was not asked for.
+        // An object that was never built is reported where it is referred to.
         if !object.touched() {
             continue;
         }

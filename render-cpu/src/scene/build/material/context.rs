@@ -6,7 +6,7 @@ use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::scene::{CoatRecord, LobeRecord, NONE, WeightFactor, lobe_flag, lobe_kind};
 use std::sync::Arc;
 
-/// What the wrappers around a BSDF have decided.
+/// The settings of all wrappers around a BSDF.
 #[derive(Clone)]
 pub(super) struct Context<'a> {
     pub factors: Vec<WeightFactor>,
@@ -17,7 +17,7 @@ pub(super) struct Context<'a> {
     pub depth: usize,
 }
 
-/// A lobe before its factors have a place in the table.
+/// A lobe whose factors are not yet in the table of factors.
 pub(super) struct PendingLobe {
     pub record: LobeRecord,
     pub factors: Vec<WeightFactor>,

@@ -19,7 +19,7 @@ use halflight_kernel::scene::{
 };
 use std::sync::Arc;
 
-/// What is left of the light where the reflectances would create some.
+/// Sum to which reflectances are scaled that would create energy.
 const CONSERVED: f32 = 0.99;
 
 impl Builder {

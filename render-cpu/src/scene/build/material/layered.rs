@@ -15,7 +15,7 @@ use halflight_kernel::scene::{
 };
 use std::sync::Arc;
 
-/// What coats are made of when nothing is said.
+/// The default material of coats.
 const BK7: &str = "bk7";
 
 impl Builder {
@@ -93,8 +93,8 @@ impl Builder {
         Ok(depth)
     }
 
-    /// The table of rough transmittance for the distribution and roughness of `lobe`, and nothing when the plugin asks
-    /// for the transmittance of a smooth boundary.
+    /// The table of rough transmittance for the distribution and roughness of `lobe`; `None` when the plugin's
+    /// `transmittance` is that of a smooth boundary.
     pub(super) fn rough_transmittance(
         &mut self,
         object: &Object,

@@ -11,9 +11,9 @@ use crate::scene::xml::Object;
 use halflight_kernel::scene::{LobeRecord, RgbParameter, lobe_kind};
 use std::sync::Arc;
 
-/// What dielectrics are made of when nothing is said.
+/// The default material of dielectrics.
 const BK7: &str = "bk7";
-/// What plastics are made of when nothing is said.
+/// The default material of plastics.
 const POLYPROPYLENE: &str = "polypropylene";
 
 impl Builder {
@@ -101,7 +101,7 @@ impl Builder {
         Ok(lobe)
     }
 
-    /// The measured reflectance in the file that `filename` names, as a place in the data table.
+    /// Loads the measured reflectance in the file `filename`; returns its offset in the data table.
     fn measured(&mut self, object: &Object) -> Result<u32, SceneError> {
         let path = object.require_file("filename")?;
         let wrong =

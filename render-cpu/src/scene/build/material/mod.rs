@@ -43,7 +43,7 @@ impl Builder {
             }
             let mut record = empty_lobe(lobe_kind::DIFFUSE);
             record.flags = lobe_flag::FRONT | lobe_flag::BACK;
-            // Emitters that say nothing of their surface reflect nothing.
+            // Emitters without a BSDF are black.
             record.reflectance = RgbParameter::constant([if is_emitter { 0.0 } else { 0.5 }; 3]);
             let index = self.push_material(vec![PendingLobe {
                 record,
@@ -84,7 +84,7 @@ impl Builder {
         Ok(index)
     }
 
-    /// A surface that light passes as if nothing were there.
+    /// A material of null scattering only: an invisible surface.
     pub(super) fn null_material(&mut self) -> u32 {
         if let Some(index) = self.default_materials[2] {
             return index;

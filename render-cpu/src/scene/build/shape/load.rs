@@ -12,7 +12,7 @@ pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     let files = object.kept_files();
     let mesh = match object.plugin.as_str() {
         "obj" => {
-            // The groups of a file are one shape, as `collapse` of Mitsuba 0.6 asks for; nobody sees a difference.
+            // The groups of a file are always one shape, as with `collapse` of Mitsuba 0.6; the image is the same.
             object.get("collapse");
             let flip = flip(mesh::obj::DEFAULT_FLIP_TEX_COORDS)?;
             files.get(&path, flip.into(), || mesh::obj::load(&path, flip))

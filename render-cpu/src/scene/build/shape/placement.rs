@@ -1,4 +1,4 @@
-//! Meshes in the place where a scene puts them: transformed, with the normals that they have there.
+//! Placement of a mesh in the world or in its group: transformed, with the normals that it has there.
 
 use crate::mesh::{MIN_SHARE, Mesh};
 use crate::scene::error::SceneError;

@@ -62,7 +62,7 @@ fn delta_lights_are_those_of_another_renderer() {
             continue;
         }
         lit += 1;
-        assert!(sample.pdf == 1.0 && sample.is_delta, "{row:?}");
+        assert!(sample.pdf == 1.0 && sample.is_delta == 1, "{row:?}");
         let direction = Vec3::from_slice(&row[19..22]);
         assert!((sample.direction - direction).length() < 1e-5, "{row:?}");
         let error = (sample.radiance - expected).length() / expected.length();

@@ -5,7 +5,9 @@ use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
 use halflight_kernel::sampler::{AnySampler, sampler_kind};
 use halflight_kernel::scene::{SceneView, Traverse};
+use halflight_kernel::transport::bounce::{Branches, Rays, Shading, bounce, illuminate, shade};
 use halflight_kernel::transport::integrator_kind::DIRECT;
+use halflight_kernel::transport::staged::PathRecord;
 use halflight_kernel::transport::{IntegratorSettings, sample_pixel, staged};
 use std::path::Path;
 
@@ -33,6 +35,69 @@ fn scene(integrator: &str) -> Scene {
     build_scene(&parsed, &BuildOptions::default()).expect("tables")
 }
 
+/// One path and its present branch, each in a record.
+struct StagedPath<'a, T: Traverse> {
+    view: &'a SceneView<'a, T>,
+    settings: &'a IntegratorSettings,
+    path: PathRecord,
+    branch: PathRecord,
+}
+
+impl<T: Traverse> Shading for StagedPath<'_, T> {
+    fn arrive(&mut self) {
+        staged::arrive(&self.view.tables, self.settings, &mut self.path);
+    }
+
+    fn sample_emitter(&mut self) {
+        staged::sample_emitter(&self.view.tables, &mut self.path);
+    }
+
+    fn evaluate_emitter(&mut self) {
+        staged::evaluate_emitter(&self.view.tables, self.settings, &mut self.path);
+    }
+
+    fn sample_bsdf(&mut self) {
+        staged::sample_bsdf(&self.view.tables, &mut self.path);
+    }
+
+    fn mix_lobes(&mut self) {
+        staged::mix_lobes(&self.view.tables, &mut self.path);
+    }
+
+    fn scatter(&mut self) {
+        staged::scatter(&self.view.tables, self.settings, &mut self.path);
+    }
+}
+
+impl<T: Traverse> Rays for StagedPath<'_, T> {
+    fn trace(&mut self) {
+        staged::trace(self.view, &mut self.path);
+    }
+
+    fn trace_shadow_rays(&mut self) {
+        staged::trace_shadow_ray(self.view, &mut self.path);
+    }
+}
+
+impl<T: Traverse> Branches for StagedPath<'_, T> {
+    fn branch(&mut self) {
+        self.branch = self.path;
+        let (tables, settings) = (&self.view.tables, self.settings);
+        staged::branch(tables, settings, &self.path, &mut self.branch);
+    }
+
+    fn follow_branch(&mut self) -> bool {
+        let (tables, settings) = (&self.view.tables, self.settings);
+        staged::trace(self.view, &mut self.branch);
+        staged::follow_branch(tables, settings, &mut self.path, &mut self.branch);
+        !self.branch.has_ended()
+    }
+
+    fn continue_through_masks(&mut self) {
+        staged::continue_through_masks(&self.view.tables, &mut self.path);
+    }
+}
+
 /// What a host does with one path.
 fn in_stages<T: Traverse>(
     view: &SceneView<'_, T>,
@@ -40,36 +105,21 @@ fn in_stages<T: Traverse>(
     sampler: AnySampler,
     pixel: [u32; 2],
 ) -> [f32; 3] {
-    let tables = &view.tables;
-    let mut path = staged::begin(tables, settings, sampler, pixel);
-    while !path.has_ended() {
-        staged::trace(view, &mut path);
-        staged::arrive(tables, settings, &mut path);
-        let samples = |count| if settings.kind == DIRECT { count } else { 1 };
-        for _ in 0..samples(settings.direct.emitter_samples) {
-            staged::light(tables, &mut path);
-            staged::evaluate(tables, settings, &mut path);
-            staged::shadow(view, &mut path);
-        }
-        for _ in 0..samples(settings.direct.bsdf_samples) {
-            staged::sample(tables, &mut path);
-            staged::mix(tables, &mut path);
-            if settings.kind != DIRECT {
-                staged::scatter(tables, settings, &mut path);
-                continue;
-            }
-            let mut branch = path;
-            staged::branch(tables, settings, &path, &mut branch);
-            while !branch.has_ended() {
-                staged::trace(view, &mut branch);
-                staged::follow(tables, settings, &mut path, &mut branch);
-            }
-        }
+    let path = staged::begin(&view.tables, settings, sampler, pixel);
+    let mut driver = StagedPath {
+        view,
+        settings,
+        path,
+        branch: path,
+    };
+    while !driver.path.has_ended() {
         if settings.kind == DIRECT {
-            staged::continue_through_masks(tables, &mut path);
+            illuminate(&mut driver, &settings.direct);
+        } else {
+            bounce(&mut driver, shade);
         }
     }
-    path.estimate().to_array()
+    driver.path.estimate().to_array()
 }
 
 fn agrees(integrator: &str) {

@@ -257,9 +257,9 @@ fn roulette_of_paths_undoes_the_scaling_of_refracted_radiance() {
     use glam::{Vec2, Vec3};
     use halflight_kernel::bsdf::{BsdfSample, event};
     use halflight_kernel::math::Ray;
+    use halflight_kernel::path::PathRules;
     use halflight_kernel::sampler::Sampler;
     use halflight_kernel::scene::SurfacePoint;
-    use halflight_kernel::transport::IntegratorSettings;
     use halflight_kernel::transport::path::{Path, step};
     struct Always(f32);
     impl Sampler for Always {
@@ -278,21 +278,21 @@ fn roulette_of_paths_undoes_the_scaling_of_refracted_radiance() {
         event: event::DELTA,
         eta: 2.0,
     };
-    let settings = IntegratorSettings {
+    let rules = PathRules {
         rr_depth: 1,
-        ..IntegratorSettings::PATH
+        ..PathRules::DEFAULT
     };
     for (number, next) in [(0.31, step::TRACE), (0.33, step::END)] {
         let mut path = Path::new(&Ray::new(Vec3::Z, -Vec3::Z));
-        path.throughput = Vec3::splat(0.32);
+        path.subpath.throughput = Vec3::splat(0.32);
         let mut sampler = Always(number);
-        let found = path.scatter_along(&settings, &mut sampler, &SurfacePoint::ZERO, &sample);
+        let found = path.scatter(&rules, &mut sampler, &SurfacePoint::ZERO, &sample);
         assert_eq!(found, next, "{number}");
         if found == step::TRACE {
             assert!(
-                (path.throughput.x - 0.25).abs() < 1e-5,
+                (path.subpath.throughput.x - 0.25).abs() < 1e-5,
                 "{}",
-                path.throughput
+                path.subpath.throughput
             );
         }
     }

@@ -49,6 +49,7 @@ pub use mixture::Bsdf;
 
 use crate::math::{Frame, Rgb};
 use crate::scene::MAX_COATS;
+use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
 /// What kind of interaction a sample is: bits.
@@ -98,7 +99,8 @@ impl BsdfValue {
 }
 
 /// A sampled direction.
-#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct BsdfSample {
     /// The direction; undefined when `pdf` is zero.
     pub wo: Vec3,

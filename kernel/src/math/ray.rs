@@ -1,9 +1,11 @@
 //! Rays with a parameter interval.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Points `origin + t direction` for `t` in `(t_min, t_max)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Ray {
     /// Start.
     pub origin: Vec3,

@@ -47,10 +47,10 @@ impl Connector<'_> {
     /// Emission of the surface that a camera walk has hit (s = 0).
     pub fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Rgb {
         let tables = self.tables;
-        if point.emitter == NONE || !self.strategies.shows(0, walk.depth + 2) {
+        if point.emitter == NONE || !self.strategies.shows(0, walk.subpath.depth + 2) {
             return Vec3::ZERO;
         }
-        let outgoing = -walk.ray.direction;
+        let outgoing = -walk.subpath.ray.direction;
         let radiance = area_radiance(tables, point, outgoing);
         if radiance.max_element() <= 0.0 {
             return Vec3::ZERO;
@@ -58,36 +58,40 @@ impl Connector<'_> {
         let h = self.strategies.heuristic;
         let density = emission::density(tables, point.emitter, point, outgoing);
         let cosine = float::abs(point.geometric_normal.dot(outgoing));
-        let to_light = point.position - walk.position;
-        let pdf_area = if walk.depth == 0 {
+        let to_light = point.position - walk.subpath.position;
+        let pdf_area = if walk.subpath.depth == 0 {
             density.position
         } else {
-            self.strategies
-                .pdf_direct(tables, point.emitter, walk.position, point, outgoing)
-                * (cosine / to_light.length_squared())
+            self.strategies.pdf_direct(
+                tables,
+                point.emitter,
+                walk.subpath.position,
+                point,
+                outgoing,
+            ) * (cosine / to_light.length_squared())
         };
         let camera =
             h.of(pdf_area) * walk.arrived.d_vcm + h.of(density.product()) * walk.arrived.d_vc;
-        walk.throughput * radiance * self.strategies.weight(0.0, camera)
+        walk.subpath.throughput * radiance * self.strategies.weight(0.0, camera)
     }
 
     /// Emission of the environment where a camera walk leaves the scene (s = 0).
     pub fn escaped(&self, walk: &Walk) -> Rgb {
         let tables = self.tables;
         let emitter = tables.info.environment;
-        let is_hidden = walk.depth == 0 && self.rules.hide_emitters != 0;
-        if emitter == NONE || is_hidden || !self.strategies.shows(0, walk.depth + 2) {
+        let is_hidden = !walk.subpath.sees_emitters(&self.rules);
+        if emitter == NONE || is_hidden || !self.strategies.shows(0, walk.subpath.depth + 2) {
             return Vec3::ZERO;
         }
-        let direction = walk.ray.direction;
+        let direction = walk.subpath.ray.direction;
         let (radiance, pdf) = environment_radiance_and_pdf(tables, direction);
         let mut camera = 0.0;
-        if walk.depth > 0 {
+        if walk.subpath.depth > 0 {
             let h = self.strategies.heuristic;
             let density = emission::density(tables, emitter, &SurfacePoint::ZERO, -direction);
             camera = h.of(pdf) * walk.weights.d_vcm + h.of(density.product()) * walk.weights.d_vc;
         }
-        walk.throughput * radiance * self.strategies.weight(0.0, camera)
+        walk.subpath.throughput * radiance * self.strategies.weight(0.0, camera)
     }
 
     /// Next event estimation at the current vertex of a camera walk (s = 1): `u_select` chooses the emitter, `u` a point or
@@ -153,7 +157,7 @@ impl Connector<'_> {
         light: &DirectSample,
         light_point: &SurfacePoint,
     ) -> Contribution {
-        let t = walk.depth + 2;
+        let t = walk.subpath.depth + 2;
         if !light.is_some() || !self.allows_edges(t) || !self.strategies.shows(1, t) {
             return Contribution::NONE;
         }
@@ -163,7 +167,7 @@ impl Connector<'_> {
             return Contribution::NONE;
         }
         let h = self.strategies.heuristic;
-        let by_chance = if light.is_delta {
+        let by_chance = if light.is_delta != 0 {
             0.0
         } else {
             h.of(scattered.pdf / light.pdf)
@@ -181,7 +185,10 @@ impl Connector<'_> {
         };
         let weight = self.strategies.weight(by_chance, camera);
         Contribution {
-            value: walk.throughput * scattered.value * light.radiance * (weight / light.pdf),
+            value: walk.subpath.throughput
+                * scattered.value
+                * light.radiance
+                * (weight / light.pdf),
             ray: if light.distance < f32::MAX {
                 at.point.segment_to(light.target)
             } else {
@@ -287,22 +294,24 @@ impl Connector<'_> {
     pub fn lens_met(&self, walk: &Walk, t_max: f32) -> Contribution {
         let tables = self.tables;
         let lens_pdf = self.strategies.pdf_lens(tables, &self.rules);
-        if !(lens_pdf > 0.0) || !self.strategies.shows(walk.depth + 2, 0) {
+        if !(lens_pdf > 0.0) || !self.strategies.shows(walk.subpath.depth + 2, 0) {
             return Contribution::NONE;
         }
         let kind = tables.emitters[walk.emitter as usize].kind;
-        if walk.depth == 0 && kind != emitter_kind::AREA || walk.depth >= self.rules.max_depth {
+        if walk.subpath.depth == 0 && kind != emitter_kind::AREA
+            || walk.subpath.depth >= self.rules.max_depth
+        {
             return Contribution::NONE;
         }
-        let ray = walk.ray;
+        let ray = walk.subpath.ray;
         let met = camera::intersect_lens(&tables.camera, &ray);
         if !met.is_hit {
             return Contribution::NONE;
         }
-        let seen = camera::film_position_through(tables, walk.position, met.lens);
+        let seen = camera::film_position_through(tables, walk.subpath.position, met.lens);
         // Surfaces between the lens and the near clipping plane are invisible, so they do not block the walk either: the
         // contribution counts on the one segment of it that crosses the plane.
-        let travelled = (ray.origin - walk.position).dot(ray.direction);
+        let travelled = (ray.origin - walk.subpath.position).dot(ray.direction);
         let passes = travelled < seen.unclipped && seen.unclipped <= travelled + t_max;
         if !seen.is_valid || !passes {
             return Contribution::NONE;
@@ -314,7 +323,7 @@ impl Connector<'_> {
             return Contribution::NONE;
         }
         let density = seen.importance * camera::pixels_per_window_pixel(&tables.camera);
-        let weights = if walk.depth > 0 {
+        let weights = if walk.subpath.depth > 0 {
             walk.weights.arrive(h, distance2, cosine)
         } else {
             let start = walk.start_point(tables);
@@ -329,17 +338,17 @@ impl Connector<'_> {
         let light = weights.sum(h, lens_pdf, density * distance2);
         let weight = self.strategies.weight(light, 0.0);
         Contribution {
-            value: walk.throughput * (density * distance2 * lens_pdf * weight / cosine),
+            value: walk.subpath.throughput * (density * distance2 * lens_pdf * weight / cosine),
             ray,
             film: seen.film,
-            s: walk.depth + 2,
+            s: walk.subpath.depth + 2,
             t: 0,
         }
     }
 
     /// The connection of a vertex of a light walk to the current vertex of a camera walk (s, t > 1).
     pub fn inner(&self, light: &LightEnd<'_>, walk: &Walk, at: &Interaction<'_>) -> Contribution {
-        let (s, t) = (light.edges + 1, walk.depth + 2);
+        let (s, t) = (light.edges + 1, walk.subpath.depth + 2);
         if !self.allows_edges(s + t - 1) || !self.strategies.shows(s, t) {
             return Contribution::NONE;
         }
@@ -371,7 +380,7 @@ impl Connector<'_> {
             walk.arrived
                 .sum(h, sent.pdf * cos_camera / distance2, seen.pdf_reverse);
         let weight = self.strategies.weight(shorter_light, shorter_camera);
-        let value = walk.throughput * seen.value * (light.throughput * sent.value);
+        let value = walk.subpath.throughput * seen.value * (light.throughput * sent.value);
         Contribution {
             value: value * (weight / distance2),
             ray: at.point.segment_to_surface(light.at.point),

@@ -8,7 +8,8 @@
 //! subpath started, or is a splat. Walks always sample the BSDF itself.
 //!
 //! - [`rules`]: path depth, hidden emitters, strict normals, Russian roulette;
-//! - [`walk`]: random walks from the sensor and from emitters;
+//! - [`subpath`]: the moving end of every random walk, its arrival at surfaces and its departure;
+//! - [`walk`]: random walks from the sensor and from emitters that can be connected;
 //! - [`vertex`]: their vertices, as records;
 //! - [`evaluation`]: BSDF values and densities at a vertex, in both directions of transport;
 //! - [`strategies`]: which sampling strategies exist and enter the weights;
@@ -22,6 +23,7 @@ pub mod contribution;
 pub mod evaluation;
 pub mod rules;
 pub mod strategies;
+pub mod subpath;
 pub mod vertex;
 pub mod visibility;
 pub mod walk;
@@ -32,6 +34,7 @@ pub use contribution::Contribution;
 pub use evaluation::{Evaluation, Interaction};
 pub use rules::PathRules;
 pub use strategies::Strategies;
+pub use subpath::Subpath;
 pub use vertex::{LightEnd, PathVertex};
 pub use walk::Walk;
 pub use weight::{Heuristic, PartialWeights};

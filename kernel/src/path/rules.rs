@@ -30,7 +30,7 @@ pub mod step {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct PathRules {
-    /// Largest number of edges of a path.
+    /// Largest number of edges of a path: 1 sees emitters, 2 adds direct illumination; [`u32::MAX`] for no limit.
     pub max_depth: u32,
     /// Number of edges from which Russian roulette is played.
     pub rr_depth: u32,
@@ -41,6 +41,14 @@ pub struct PathRules {
 }
 
 impl PathRules {
+    /// No depth limit, Russian roulette from the fifth edge: Mitsuba's defaults.
+    pub const DEFAULT: PathRules = PathRules {
+        max_depth: u32::MAX,
+        rr_depth: 5,
+        hide_emitters: 0,
+        strict_normals: 0,
+    };
+
     /// Whether a path may leave the point along the world `direction`, whose local cosine is `cos_theta`.
     #[inline]
     pub fn allows(&self, point: &SurfacePoint, direction: Vec3, cos_theta: f32) -> bool {

@@ -1,6 +1,6 @@
 //! Random walks from the sensor and from emitters.
 //!
-//! A walk proceeds ray by ray: [`Walk::arrive`] at the surface that its ray hits, then [`Walk::scatter`], which samples the
+//! A walk proceeds ray by ray: [`Walk::update_weights`] at the surface that its ray hits, then [`Walk::scatter`], which samples the
 //! BSDF itself and updates the partial sums of the weights ([`super::weight`]). Camera walks transport radiance (refraction
 //! divides it by eta^2), light walks flux. At a non-specular vertex, the throughput of a light walk is that of the function
 //! which a camera walk would have evaluated (see [`super::evaluation`]). At a specular vertex it is the sampled weight times
@@ -16,37 +16,29 @@
 //! strategy s = 1 has a density of its own, that of next event estimation.
 
 use super::evaluation::Interaction;
-use super::rules::{MAX_SURVIVAL, PathRules, step};
+use super::rules::{PathRules, step};
 use super::strategies::Strategies;
+use super::subpath::Subpath;
 use super::vertex::PathVertex;
-use super::visibility::{MAX_NULL_CROSSINGS, has_masks, pass_through};
 use super::weight::{Heuristic, PartialWeights};
-use crate::bsdf::{BsdfSample, event, lobe, mode, null_transmittance};
-use crate::math::{Ray, Rgb, float};
+use crate::bsdf::{BsdfSample, event, lobe, mode};
+use crate::math::{Ray, float};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission;
 use crate::scene::emitter::emission::{EmissionSample, is_delta, is_infinite, light_cosine};
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera};
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// The moving end of a subpath.
-#[derive(Clone, Copy, Debug)]
+/// The moving end of a subpath that may be connected, and what the weights of strategies need to know of it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Walk {
-    /// The ray to trace next.
-    pub ray: Ray,
-    /// From the sensor: radiance along the first ray per radiance along this one. From an emitter: the flux of this ray.
-    pub throughput: Rgb,
-    /// Product of the relative indices of refraction along the walk.
-    pub eta: f32,
+    /// Ray, throughput, depth.
+    pub subpath: Subpath,
     /// Largest channel of the throughput at the start.
     pub initial: f32,
-    /// Position of the last vertex at which it scattered, or of its start.
-    pub position: Vec3,
-    /// Number of edges before the current ray.
-    pub depth: u32,
-    /// Number of surfaces passed by null scattering.
-    pub crossings: u32,
     /// One of [`mode`]: radiance from the sensor, importance from an emitter.
     pub mode: u32,
     /// Partial sums of the weights after the last scattering, before the current edge.
@@ -64,13 +56,8 @@ impl Walk {
     #[inline]
     pub fn from_sensor(ray: &Ray) -> Walk {
         Walk {
-            ray: *ray,
-            throughput: Vec3::ONE,
-            eta: 1.0,
+            subpath: Subpath::new(ray, Vec3::ONE),
             initial: 1.0,
-            position: ray.origin,
-            depth: 0,
-            crossings: 0,
             mode: mode::RADIANCE,
             weights: PartialWeights::NONE,
             arrived: PartialWeights::NONE,
@@ -84,13 +71,11 @@ impl Walk {
     pub fn from_emitter(sample: &EmissionSample) -> Walk {
         let point = &sample.point;
         Walk {
-            ray: sample.ray,
-            throughput: sample.weight,
-            eta: 1.0,
+            subpath: Subpath {
+                position: point.position,
+                ..Subpath::new(&sample.ray, sample.weight)
+            },
             initial: sample.weight.max_element(),
-            position: point.position,
-            depth: 0,
-            crossings: 0,
             mode: mode::IMPORTANCE,
             weights: PartialWeights::NONE,
             arrived: PartialWeights::NONE,
@@ -101,7 +86,7 @@ impl Walk {
 
     /// Updates the partial sums for the edge to the surface that the ray has hit. They are kept apart from those of the last
     /// vertex, so that null scattering at this surface leaves the walk as it was.
-    pub fn arrive(
+    pub fn update_weights(
         &mut self,
         tables: &Tables<'_>,
         rules: &PathRules,
@@ -109,9 +94,9 @@ impl Walk {
         point: &SurfacePoint,
     ) {
         let h = strategies.heuristic;
-        let cosine = float::abs(point.geometric_normal.dot(self.ray.direction));
-        let distance2 = (point.position - self.position).length_squared();
-        if self.depth > 0 {
+        let cosine = float::abs(point.geometric_normal.dot(self.subpath.ray.direction));
+        let distance2 = (point.position - self.subpath.position).length_squared();
+        if self.subpath.depth > 0 {
             self.arrived = self.weights.arrive(h, distance2, cosine);
         } else if self.mode == mode::RADIANCE {
             if strategies.light_image {
@@ -137,7 +122,8 @@ impl Walk {
         if !(pdf > 0.0) {
             return PartialWeights::NONE;
         }
-        let cos_lens = float::abs(camera::optical_axis(&tables.camera).dot(self.ray.direction));
+        let cos_lens =
+            float::abs(camera::optical_axis(&tables.camera).dot(self.subpath.ray.direction));
         PartialWeights {
             d_vcm: h.of(1.0 / pdf),
             d_vc: if lens > 0.0 {
@@ -159,7 +145,7 @@ impl Walk {
         let h = strategies.heuristic;
         let kind = tables.emitters[self.emitter as usize].kind;
         let start = self.start_point(tables);
-        let direction = self.ray.direction;
+        let direction = self.subpath.ray.direction;
         let emitted = emission::density(tables, self.emitter, &start, direction).product();
         let light = light_cosine(tables, self.emitter, &start, direction, distance2);
         let pdf = emitted * cosine;
@@ -181,11 +167,11 @@ impl Walk {
     #[inline]
     pub fn start_point(&self, tables: &Tables<'_>) -> SurfacePoint {
         if self.start.is_hit() {
-            let ray = Ray::new(self.position, self.ray.direction);
+            let ray = Ray::new(self.subpath.position, self.subpath.ray.direction);
             return surface_with::<{ detail::NORMALS }>(tables, &ray, &self.start);
         }
         SurfacePoint {
-            position: self.position,
+            position: self.subpath.position,
             ..SurfacePoint::ZERO
         }
     }
@@ -194,7 +180,7 @@ impl Walk {
     #[inline]
     pub fn comes_from_infinity(&self, tables: &Tables<'_>) -> bool {
         self.mode == mode::IMPORTANCE
-            && self.depth == 0
+            && self.subpath.depth == 0
             && is_infinite(tables.emitters[self.emitter as usize].kind)
     }
 
@@ -204,40 +190,14 @@ impl Walk {
         PathVertex {
             position: at.point.position.to_array(),
             facing: at.facing().to_array(),
-            origin: self.ray.origin.to_array(),
-            direction: self.ray.direction.to_array(),
+            origin: self.subpath.ray.origin.to_array(),
+            direction: self.subpath.ray.direction.to_array(),
             hit: *hit,
-            throughput: self.throughput.to_array(),
+            throughput: self.subpath.throughput.to_array(),
             d_vcm: self.arrived.d_vcm,
             d_vc: self.arrived.d_vc,
-            depth: self.depth + 1,
+            depth: self.subpath.depth + 1,
             previous,
-        }
-    }
-
-    /// Continues straight through the surface; returns the next [`step`].
-    #[inline]
-    pub fn pass(&mut self, point: &SurfacePoint) -> u32 {
-        self.crossings += 1;
-        if self.crossings > MAX_NULL_CROSSINGS {
-            return step::END;
-        }
-        pass_through(&mut self.ray, point);
-        step::TRACE
-    }
-
-    /// On the last edge that the depth allows: continues straight through a mask, with the weight of its null lobe, because
-    /// masks do not count as vertices. Returns the next [`step`].
-    #[inline]
-    pub fn pass_masks(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
-        if !has_masks(tables, point) {
-            return step::END;
-        }
-        self.throughput *= null_transmittance(tables, point);
-        if self.throughput.max_element() > 0.0 {
-            self.pass(point)
-        } else {
-            step::END
         }
     }
 
@@ -259,9 +219,9 @@ impl Walk {
         }
         let point = at.point;
         if sample.event & event::NULL != 0 {
-            self.throughput *= sample.weight;
-            return if self.throughput.max_element() > 0.0 {
-                self.pass(point)
+            self.subpath.throughput *= sample.weight;
+            return if self.subpath.throughput.max_element() > 0.0 {
+                self.subpath.skip_surface(point)
             } else {
                 step::END
             };
@@ -297,37 +257,18 @@ impl Walk {
                 sample.weight
             }
         };
-        self.throughput *= factor;
-        if !(self.throughput.max_element() > 0.0) || !self.throughput.is_finite() {
+        let subpath = &mut self.subpath;
+        subpath.throughput *= factor;
+        if !(subpath.throughput.max_element() > 0.0) || !subpath.throughput.is_finite() {
             return step::END;
         }
-        self.eta *= sample.eta;
-        self.position = point.position;
-        self.depth += 1;
-        if self.depth >= rules.rr_depth {
-            let survival = self.survival();
-            if sampler.next_1d() >= survival {
-                return step::END;
-            }
-            self.throughput /= survival;
-        }
-        self.ray = point.spawn(direction);
-        if self.depth < rules.max_depth {
-            step::TRACE
+        subpath.eta *= sample.eta;
+        let survival = if self.mode == mode::RADIANCE {
+            subpath.camera_survival()
         } else {
-            step::END
-        }
-    }
-
-    /// Probability of surviving Russian roulette.
-    #[inline]
-    fn survival(&self) -> f32 {
-        let strength = self.throughput.max_element();
-        if self.mode == mode::RADIANCE {
-            (strength * self.eta * self.eta).min(MAX_SURVIVAL)
-        } else {
-            (strength / self.initial).min(MAX_SURVIVAL)
-        }
+            subpath.light_survival(self.initial)
+        };
+        subpath.leave(rules, sampler, point, direction, survival)
     }
 
     /// Factor on the weight of a specular sample: one for radiance, the adjoint correction and eta^2 for importance.

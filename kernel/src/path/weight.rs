@@ -21,6 +21,8 @@
 //! cancel, and no connection is possible. Strategies that do not exist (hitting a pinhole or a light without extent; light
 //! images when they are off) leave out their term at the ends of the recursion.
 
+use bytemuck::{Pod, Zeroable};
+
 /// The heuristic: the function h above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Heuristic {
@@ -46,7 +48,8 @@ fn finite(x: f32) -> f32 {
 }
 
 /// The partial sums of a subpath, d_vcm and d_vc above.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PartialWeights {
     /// Term of the strategy that is shorter by one vertex, without the reverse density of this vertex.
     pub d_vcm: f32,

@@ -54,7 +54,7 @@ impl<'a> Bidirectional<'a> {
         Bidirectional {
             connector: Connector {
                 tables,
-                rules: settings.rules(),
+                rules: settings.rules,
                 strategies: Strategies {
                     heuristic: Heuristic {
                         is_power: own.power_heuristic != 0,
@@ -118,27 +118,26 @@ impl<'a> Bidirectional<'a> {
         if met.is_some() {
             add(met);
         }
-        let edges = walk.depth + 1;
+        let edges = walk.subpath.depth + 1;
         if !hit.is_hit() {
             return step::END;
         }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
-        if !connector.allows_edges(edges.saturating_add(1)) {
-            // Only a lens behind a mask is left to meet.
-            return walk.pass_masks(tables, &point);
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
+        // On the last edge only a lens behind a mask is left to meet.
+        let next = walk.subpath.arrive(tables, &connector.rules, &point);
+        if next != step::SCATTER {
+            return next;
         }
-        let direction = walk.ray.direction;
-        let wi = point.frame.to_local(-direction);
-        if !connector.rules.allows(&point, -direction, wi.z) {
-            return step::END;
-        }
-        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        let direction = walk.subpath.ray.direction;
+        let wi = walk.subpath.local_direction(&point);
+        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
         bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         let at = Interaction::new(&point, bsdf, direction);
         if bsdf.has_smooth() {
             if connector.strategies.light_image {
                 let u_lens = self.lens_numbers(sampler);
-                let seen = connector.to_lens(walk.throughput, walk.arrived, edges, &at, u_lens);
+                let seen =
+                    connector.to_lens(walk.subpath.throughput, walk.arrived, edges, &at, u_lens);
                 if seen.is_some() {
                     add(seen);
                 }
@@ -174,20 +173,18 @@ impl<'a> Bidirectional<'a> {
         if !hit.is_hit() {
             return (connector.escaped(walk), step::END);
         }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
-        if walk.depth == 0 && connector.rules.hide_emitters != 0 && point.emitter != NONE {
-            return (Vec3::ZERO, walk.pass(&point));
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
+        if walk.subpath.is_hidden(&connector.rules, &point) {
+            return (Vec3::ZERO, walk.subpath.skip_surface(&point));
         }
-        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
         let emitted = connector.emitted(walk, &point);
-        if !connector.allows_edges(walk.depth.saturating_add(2)) {
-            return (emitted, walk.pass_masks(tables, &point));
+        let next = walk.subpath.arrive(tables, &connector.rules, &point);
+        if next != step::SCATTER {
+            return (emitted, next);
         }
-        let direction = walk.ray.direction;
-        let wi = point.frame.to_local(-direction);
-        if !connector.rules.allows(&point, -direction, wi.z) {
-            return (emitted, step::END);
-        }
+        let direction = walk.subpath.ray.direction;
+        let wi = walk.subpath.local_direction(&point);
         bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         let at = Interaction::new(&point, bsdf, direction);
         if bsdf.has_smooth() {
@@ -206,9 +203,12 @@ impl<'a> Bidirectional<'a> {
             while index != NONE {
                 let vertex = store.get(index);
                 index = vertex.previous;
-                if !connector
-                    .allows_edges(vertex.depth.saturating_add(walk.depth).saturating_add(2))
-                {
+                if !connector.allows_edges(
+                    vertex
+                        .depth
+                        .saturating_add(walk.subpath.depth)
+                        .saturating_add(2),
+                ) {
                     continue;
                 }
                 // Cheap tests first: most pairs do not see each other.
@@ -245,7 +245,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     mut add: impl FnMut(Contribution),
 ) {
     let algorithm = Bidirectional::new(&view.tables, settings);
-    let rules = settings.rules();
+    let rules = settings.rules;
     // Not one closure over `add`, which what a camera walk meets itself needs as well.
     let unshadowed = |mut contribution: Contribution| {
         contribution.value *= contribution_transmittance(view, &rules, &contribution);
@@ -263,7 +263,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
         let mut walk = Walk::from_emitter(&start);
         let mut next = step::TRACE;
         while next == step::TRACE {
-            let hit = view.traverse.closest_hit(&walk.ray);
+            let hit = view.traverse.closest_hit(&walk.subpath.ray);
             next = algorithm.light_bounce(
                 &mut walk,
                 light_sampler,
@@ -281,8 +281,8 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     let mut walk = Walk::from_sensor(ray);
     let mut next = step::TRACE;
     while next == step::TRACE {
-        let hit = view.traverse.closest_hit(&walk.ray);
-        let t = walk.depth + 2;
+        let hit = view.traverse.closest_hit(&walk.subpath.ray);
+        let t = walk.subpath.depth + 2;
         let (found, after) = algorithm.camera_bounce(
             &mut walk,
             camera_sampler,

@@ -2,15 +2,16 @@
 //!
 //! The estimate is w f cos Le V / p_e, with w the weight of the emitter sample against the BSDF samples that compete with
 //! it: the power heuristic with exponent two for n_e and n_b samples, w = (n_e p_e)^2 / ((n_e p_e)^2 + (n_b p_b)^2) (Veach
-//! 1997, Section 9.2.2), divided by n_e. [`connect`] leaves out the visibility V, which
-//! [`crate::path::visibility::transmittance`] finds along [`Connection::ray`].
+//! 1997, Section 9.2.2), divided by n_e. The visibility V is found along the [`ShadowRay`] that [`evaluate_light`] returns.
 
-use crate::bsdf::Bsdf;
+use super::settings::IntegratorSettings;
 use crate::math::{Ray, Rgb};
-use crate::path::rules::is_same_side;
+use crate::path::visibility::transmittance;
+use crate::path::{Interaction, PathRules};
 use crate::sampler::Sampler;
 use crate::scene::emitter::{self, DirectSample};
-use crate::scene::{SurfacePoint, Tables};
+use crate::scene::{SceneView, SurfacePoint, Tables, Traverse};
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// The power heuristic with exponent two for one sample of each technique.
@@ -39,27 +40,37 @@ impl SampleCounts {
         emitter: 1.0,
         bsdf: 1.0,
     };
+
+    /// Those of direct illumination.
+    #[inline]
+    pub fn of(settings: &IntegratorSettings) -> SampleCounts {
+        SampleCounts {
+            emitter: settings.direct.emitter_samples as f32,
+            bsdf: settings.direct.bsdf_samples as f32,
+        }
+    }
 }
 
-/// The contribution of an emitter sample, and the segment whose visibility it is multiplied by.
-#[derive(Clone, Copy, Debug)]
-pub struct Connection {
+/// A shadow ray: the light of an emitter sample, which counts where nothing stands on the segment.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ShadowRay {
+    /// The segment to the emitter.
+    pub ray: Ray,
     /// What it adds to the radiance towards the viewer.
     pub radiance: Rgb,
-    /// The segment to the light.
-    pub ray: Ray,
 }
 
-impl Connection {
+impl ShadowRay {
     /// No light.
-    pub const NONE: Connection = Connection {
-        radiance: Rgb::ZERO,
+    pub const NONE: ShadowRay = ShadowRay {
         ray: Ray {
             origin: Vec3::ZERO,
             direction: Vec3::Z,
             t_min: 0.0,
             t_max: 0.0,
         },
+        radiance: Rgb::ZERO,
     };
 
     /// Whether there is any light.
@@ -67,22 +78,12 @@ impl Connection {
     pub fn is_some(&self) -> bool {
         self.radiance.max_element() > 0.0
     }
-}
 
-/// Light of one emitter point reflected towards `wi`, one of `counts.emitter` samples that compete with `counts.bsdf`
-/// samples of the BSDF, divided by their number.
-#[inline]
-pub fn connect<S: Sampler>(
-    tables: &Tables<'_>,
-    sampler: &mut S,
-    point: &SurfacePoint,
-    bsdf: &Bsdf,
-    wi: Vec3,
-    strict_normals: bool,
-    counts: SampleCounts,
-) -> Connection {
-    let light = sample_light(tables, sampler, point);
-    evaluate_light(tables, &light, point, bsdf, wi, strict_normals, counts)
+    /// The light that arrives.
+    #[inline]
+    pub fn unshadowed<T: Traverse>(&self, view: &SceneView<'_, T>) -> Rgb {
+        self.radiance * transmittance(view, self.ray)
+    }
 }
 
 /// Chooses an emitter point.
@@ -104,29 +105,28 @@ pub fn skip_light_numbers<S: Sampler>(sampler: &mut S) {
     sampler.next_2d();
 }
 
-/// What the chosen light adds.
+/// What the chosen light, one of `counts.emitter` samples that compete with `counts.bsdf` samples of the BSDF, adds to the
+/// radiance from the surface, divided by their number.
 #[inline]
 pub fn evaluate_light(
     tables: &Tables<'_>,
+    rules: &PathRules,
     light: &DirectSample,
-    point: &SurfacePoint,
-    bsdf: &Bsdf,
-    wi: Vec3,
-    strict_normals: bool,
+    at: &Interaction<'_>,
     counts: SampleCounts,
-) -> Connection {
+) -> ShadowRay {
     if !light.is_some() {
-        return Connection::NONE;
+        return ShadowRay::NONE;
     }
-    let wo = point.frame.to_local(light.direction);
-    if strict_normals && !is_same_side(point, light.direction, wo.z) {
-        return Connection::NONE;
+    let wo = at.point.frame.to_local(light.direction);
+    if !rules.allows(at.point, light.direction, wo.z) {
+        return ShadowRay::NONE;
     }
-    let (value, pdf) = bsdf.eval_cosine_pdf(tables.data, wi, wo);
+    let (value, pdf) = at.bsdf.eval_cosine_pdf(tables.data, at.wi, wo);
     if value.max_element() <= 0.0 {
-        return Connection::NONE;
+        return ShadowRay::NONE;
     }
-    weighted_contribution(light, point, counts, value, pdf)
+    weighted_contribution(light, at.point, counts, value, pdf)
 }
 
 /// What the chosen light adds where the BSDF times the cosine is `value` towards it, with the density `pdf`.
@@ -138,13 +138,13 @@ pub fn weighted_contribution(
     counts: SampleCounts,
     value: Rgb,
     pdf: f32,
-) -> Connection {
-    let weight = if light.is_delta {
+) -> ShadowRay {
+    let weight = if light.is_delta != 0 {
         1.0
     } else {
         power_heuristic(counts.emitter * light.pdf, counts.bsdf * pdf)
     };
-    Connection {
+    ShadowRay {
         radiance: value * light.radiance * (weight / (light.pdf * counts.emitter)),
         ray: if light.distance < f32::MAX {
             point.segment_to(light.target)

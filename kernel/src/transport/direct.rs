@@ -6,30 +6,19 @@
 //! (a delta light with BSDF samples only) is then missing, which is what such a figure shows. Straight passage through
 //! masks does not count as scattering, and is deterministic: what is seen behind a mask is scaled by its null weight.
 //!
-//! The walk from the sensor and those of the BSDF samples, its branches, are [`Path`]s of which each step is called here,
-//! or by [`super::staged`].
+//! The walk from the sensor and those of the BSDF samples, its branches, are [`Path`]s; the order of the stages is that of
+//! [`super::bounce::illuminate`].
 
-use super::connection::{SampleCounts, connect};
-use super::path::{Path, Scattering, step};
+use super::bounce::{Branches, Rays, Shading, illuminate};
+use super::connection::SampleCounts;
+use super::path::{Path, SinglePath, step};
 use super::settings::IntegratorSettings;
-use crate::bsdf::{Bsdf, BsdfSample, event, mode};
+use crate::bsdf::{Bsdf, BsdfSample, event};
 use crate::math::{Ray, Rgb};
-use crate::path::rules::is_same_side;
-use crate::path::visibility::transmittance;
+use crate::path::PathRules;
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{SceneView, SurfacePoint, Tables, Traverse};
-
-impl SampleCounts {
-    /// Those of the settings.
-    #[inline]
-    pub fn of(settings: &IntegratorSettings) -> SampleCounts {
-        SampleCounts {
-            emitter: settings.direct.emitter_samples as f32,
-            bsdf: settings.direct.bsdf_samples as f32,
-        }
-    }
-}
 
 /// Radiance along `ray` with at most one scattering.
 pub fn radiance<T: Traverse, S: Sampler>(
@@ -38,70 +27,114 @@ pub fn radiance<T: Traverse, S: Sampler>(
     sampler: &mut S,
     ray: &Ray,
 ) -> Rgb {
-    let tables = &view.tables;
-    let mut path = Path::new(ray);
-    loop {
-        let hit = view.traverse.closest_hit(&path.ray);
-        if !hit.is_hit() {
-            path.escape(tables, settings);
-            break;
-        }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &path.ray, &hit);
-        let next = path.arrive(tables, settings, &point);
-        if next == step::TRACE {
-            continue;
-        }
-        if next == step::END {
-            break;
-        }
-        let wi = path.local_direction(&point);
-        let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
-        if bsdf.has_smooth() {
-            for _ in 0..settings.direct.emitter_samples {
-                let light = connect(
-                    tables,
-                    sampler,
-                    &point,
-                    &bsdf,
-                    wi,
-                    settings.strict_normals != 0,
-                    SampleCounts::of(settings),
-                );
-                if light.is_some() {
-                    path.radiance +=
-                        path.throughput * light.radiance * transmittance(view, light.ray);
-                }
-            }
-        }
-        for _ in 0..settings.direct.bsdf_samples {
-            let mut branch = Path::new(&path.ray);
-            let u1 = sampler.next_1d();
-            let u2 = sampler.next_2d();
-            let sample = bsdf.sample(tables.data, wi, u1, u2);
-            let mut next = start_branch(&mut branch, settings, &point, &sample);
-            while next == step::TRACE {
-                let hit = view.traverse.closest_hit(&branch.ray);
-                if !hit.is_hit() {
-                    branch.escape(tables, settings);
-                    break;
-                }
-                let light = surface_with::<{ detail::TANGENTS }>(tables, &branch.ray, &hit);
-                next = follow_branch(&mut branch, tables, &light);
-            }
-            path.radiance += path.throughput * branch.radiance;
-        }
-        if path.continue_through_masks(tables, &point) == step::END {
-            break;
+    let mut bsdf = Bsdf::BLACK;
+    let mut path = SinglePath::new(view, settings.rules, sampler, &mut bsdf, Path::new(ray));
+    path.counts = SampleCounts::of(settings);
+    // It sees emitters whatever its depth.
+    path.next = step::TRACE;
+    let mut driver = DirectPath {
+        path,
+        branch: Path::new(ray),
+        next: step::END,
+    };
+    while driver.path.next != step::END {
+        illuminate(&mut driver, &settings.direct);
+    }
+    driver.path.path.radiance
+}
+
+/// A path and its present branch.
+struct DirectPath<'a, T: Traverse, S> {
+    path: SinglePath<'a, T, S>,
+    branch: Path,
+    /// What is next of the branch, one of [`step`].
+    next: u32,
+}
+
+impl<T: Traverse, S: Sampler> Shading for DirectPath<'_, T, S> {
+    fn arrive(&mut self) {
+        self.path.arrive();
+    }
+
+    fn sample_emitter(&mut self) {
+        self.path.sample_emitter();
+    }
+
+    fn evaluate_emitter(&mut self) {
+        self.path.evaluate_emitter();
+    }
+
+    fn sample_bsdf(&mut self) {
+        self.path.sample_bsdf();
+    }
+
+    fn mix_lobes(&mut self) {
+        self.path.mix_lobes();
+    }
+
+    fn scatter(&mut self) {
+        self.path.scatter();
+    }
+}
+
+impl<T: Traverse, S> Rays for DirectPath<'_, T, S> {
+    fn trace(&mut self) {
+        self.path.trace();
+    }
+
+    fn trace_shadow_rays(&mut self) {
+        self.path.trace_shadow_rays();
+    }
+}
+
+impl<T: Traverse, S: Sampler> Branches for DirectPath<'_, T, S> {
+    fn branch(&mut self) {
+        self.next = step::END;
+        let path = &self.path;
+        if path.next == step::SCATTER {
+            self.branch = Path::new(&path.path.subpath.ray);
+            let (point, sample) = (&path.point, &path.sample);
+            self.next = start_branch(&mut self.branch, &path.rules, path.counts, point, sample);
         }
     }
-    path.radiance
+
+    fn follow_branch(&mut self) -> bool {
+        if self.next != step::TRACE {
+            return false;
+        }
+        let view = self.path.view;
+        let branch = &mut self.branch;
+        let hit = view.traverse.closest_hit(&branch.subpath.ray);
+        self.next = if hit.is_hit() {
+            let light =
+                surface_with::<{ detail::TANGENTS }>(&view.tables, &branch.subpath.ray, &hit);
+            follow_branch(branch, &view.tables, &light)
+        } else {
+            branch.escape(&view.tables, &self.path.rules);
+            step::END
+        };
+        if self.next == step::END {
+            let path = &mut self.path.path;
+            path.radiance += path.subpath.throughput * branch.radiance;
+        }
+        self.next == step::TRACE
+    }
+
+    fn continue_through_masks(&mut self) {
+        let path = &mut self.path;
+        if path.next == step::SCATTER {
+            let subpath = &mut path.path.subpath;
+            path.next = subpath.continue_through_masks(&path.view.tables, &path.point);
+        }
+    }
 }
 
 /// Makes `branch` one of the BSDF samples, divided by their number; says what is next, one of [`step`].
 #[inline]
 pub fn start_branch(
     branch: &mut Path,
-    settings: &IntegratorSettings,
+    rules: &PathRules,
+    counts: SampleCounts,
     point: &SurfacePoint,
     sample: &BsdfSample,
 ) -> u32 {
@@ -109,22 +142,20 @@ pub fn start_branch(
         return step::END;
     }
     let direction = point.frame.to_world(sample.wo).normalize();
-    if settings.strict_normals != 0 && !is_same_side(point, direction, sample.wo.z) {
+    if !rules.allows(point, direction, sample.wo.z) {
         return step::END;
     }
-    let counts = SampleCounts::of(settings);
-    branch.last = Scattering {
-        position: point.position,
-        pdf: counts.bsdf * sample.pdf,
-        light_samples: if sample.event & event::DELTA != 0 {
-            0.0
-        } else {
-            counts.emitter
-        },
+    branch.last_pdf = counts.bsdf * sample.pdf;
+    branch.light_samples = if sample.event & event::DELTA != 0 {
+        0.0
+    } else {
+        counts.emitter
     };
-    branch.depth = 1;
-    branch.throughput = sample.weight * (1.0 / counts.bsdf);
-    branch.ray = point.spawn(direction);
+    let subpath = &mut branch.subpath;
+    subpath.position = point.position;
+    subpath.depth = 1;
+    subpath.throughput = sample.weight * (1.0 / counts.bsdf);
+    subpath.ray = point.spawn(direction);
     step::TRACE
 }
 
@@ -132,5 +163,5 @@ pub fn start_branch(
 #[inline]
 pub fn follow_branch(branch: &mut Path, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
     branch.add_emission(tables, point);
-    branch.continue_through_masks(tables, point)
+    branch.subpath.continue_through_masks(tables, point)
 }

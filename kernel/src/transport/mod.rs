@@ -9,6 +9,7 @@
 //! | [`bidirectional`] | bidirectional path tracing and light tracing |
 //! | [`aov`] | surface features of a camera sample |
 //! | [`connection`] | next event estimation |
+//! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
 //! | [`pixel`] | one sample of a pixel by the algorithm of the settings |
 //! | [`staged`], `wavefront` | path tracing in stages over buffers, and over lanes |
 //! | [`photon`] | radii and statistics of photon mapping |
@@ -17,6 +18,7 @@
 pub mod ambient_occlusion;
 pub mod aov;
 pub mod bidirectional;
+pub mod bounce;
 pub mod connection;
 pub mod direct;
 pub mod path;

@@ -12,58 +12,35 @@
 //! vertex of reference, its density and the depth as they are, on the last edge as on any other. Paths end at `max_depth`
 //! edges, and at random from `rr_depth` edges on with survival min(max(beta) eta^2, 0.95), where eta^2 undoes the scaling of refracted radiance.
 //!
-//! The walk is written as steps of a [`Path`], which [`radiance`] calls in a loop and [`super::staged`] one by one with
-//! the path in a buffer.
+//! The order of the stages of a bounce is that of [`super::bounce`]; what each computes stands here. [`SinglePath`] runs them
+//! for one path; [`super::staged`] keeps paths in buffers between them, the wavefront in lanes.
 //! Invariant (tests): the mean does not depend on `rr_depth`, on the sampler or on which of the two techniques is used.
 
-use super::connection::{Connection, SampleCounts, connect, power_heuristic};
+use super::bounce::{Rays, Shading, bounce, shade};
+use super::connection::{SampleCounts, ShadowRay, evaluate_light, power_heuristic, sample_light};
 use super::settings::IntegratorSettings;
-use crate::bsdf::{Bsdf, BsdfSample, event, mode, null_transmittance};
+use crate::bsdf::{Bsdf, BsdfSample, event, mode};
 use crate::math::{Ray, Rgb};
 pub use crate::path::rules::step;
-use crate::path::rules::{MAX_SURVIVAL, is_same_side};
-use crate::path::visibility::{MAX_NULL_CROSSINGS, has_masks, pass_through, transmittance};
+use crate::path::{Interaction, PathRules, Subpath};
 use crate::sampler::Sampler;
+use crate::scene::emitter::DirectSample;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, SceneView, SurfacePoint, Tables, Traverse, emitter};
-use glam::Vec3;
-
-/// Where a walk scattered last, for the weight of emission that it meets.
-#[derive(Clone, Copy, Debug)]
-pub struct Scattering {
-    /// The point.
-    pub position: Vec3,
-    /// Density of the direction taken, times the number of such samples.
-    pub pdf: f32,
-    /// Number of emitter samples that compete with it; zero at the sensor and for a delta lobe.
-    pub light_samples: f32,
-}
-
-impl Scattering {
-    /// Weight of light that the walk found itself and that an emitter sample finds with density `other`.
-    #[inline]
-    fn weight(&self, other: f32) -> f32 {
-        power_heuristic(self.pdf, self.light_samples * other)
-    }
-}
+use bytemuck::{Pod, Zeroable};
 
 /// A random walk from the sensor and what it has gathered.
-#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Path {
-    /// The ray that is followed next.
-    pub ray: Ray,
+    /// Its moving end.
+    pub subpath: Subpath,
     /// Light gathered.
     pub radiance: Rgb,
-    /// Radiance along the first ray per radiance along this one.
-    pub throughput: Rgb,
-    /// Product of relative indices along the path.
-    pub eta: f32,
-    /// Where it scattered last.
-    pub last: Scattering,
-    /// Edges between scatterings so far.
-    pub depth: u32,
-    /// Masks and hidden emitters passed.
-    pub crossings: u32,
+    /// Density of the direction in which it scattered last, times the number of such samples.
+    pub last_pdf: f32,
+    /// Number of emitter samples that competed with that direction; zero at the sensor and for a delta lobe.
+    pub light_samples: f32,
 }
 
 impl Path {
@@ -71,36 +48,19 @@ impl Path {
     #[inline]
     pub fn new(ray: &Ray) -> Path {
         Path {
-            ray: *ray,
+            subpath: Subpath::new(ray, Rgb::ONE),
             radiance: Rgb::ZERO,
-            throughput: Rgb::ONE,
-            eta: 1.0,
-            last: Scattering {
-                position: ray.origin,
-                pdf: 0.0,
-                light_samples: 0.0,
-            },
-            depth: 0,
-            crossings: 0,
+            last_pdf: 0.0,
+            light_samples: 0.0,
         }
-    }
-
-    /// Whether another edge is allowed.
-    #[inline]
-    pub fn may_continue(&self, settings: &IntegratorSettings) -> bool {
-        self.depth < settings.max_depth
-    }
-
-    #[inline]
-    pub(super) fn sees_emitters(&self, settings: &IntegratorSettings) -> bool {
-        self.depth > 0 || settings.hide_emitters == 0
     }
 
     /// Gathers the light from infinity where the ray met nothing; the path ends.
     #[inline]
-    pub fn escape(&mut self, tables: &Tables<'_>, settings: &IntegratorSettings) {
-        if self.sees_emitters(settings) && tables.info.environment != NONE {
-            let (emitted, pdf) = emitter::environment_radiance_and_pdf(tables, self.ray.direction);
+    pub fn escape(&mut self, tables: &Tables<'_>, rules: &PathRules) {
+        if self.subpath.sees_emitters(rules) && tables.info.environment != NONE {
+            let direction = self.subpath.ray.direction;
+            let (emitted, pdf) = emitter::environment_radiance_and_pdf(tables, direction);
             self.add_weighted(emitted, pdf);
         }
     }
@@ -109,50 +69,33 @@ impl Path {
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn add_weighted(&mut self, emitted: Rgb, other: f32) {
-        let weight = if self.last.light_samples > 0.0 {
-            self.last.weight(other)
+        let weight = if self.light_samples > 0.0 {
+            power_heuristic(self.last_pdf, self.light_samples * other)
         } else {
             1.0
         };
-        self.radiance += self.throughput * emitted * weight;
+        self.radiance += self.subpath.throughput * emitted * weight;
     }
 
     /// Gathers what the surface at the ray's end emits; says what is next, one of [`step`].
     #[inline]
-    pub fn arrive(
-        &mut self,
-        tables: &Tables<'_>,
-        settings: &IntegratorSettings,
-        point: &SurfacePoint,
-    ) -> u32 {
+    pub fn arrive(&mut self, tables: &Tables<'_>, rules: &PathRules, point: &SurfacePoint) -> u32 {
+        if self.subpath.is_hidden(rules, point) {
+            return self.subpath.skip_surface(point);
+        }
         if point.emitter != NONE {
-            if !self.sees_emitters(settings) {
-                return self.skip_surface(point);
-            }
             self.add_emission(tables, point);
         }
-        if self.depth + 1 >= settings.max_depth {
-            // Masks are not counted: what shines behind one is on this last edge still.
-            return if has_masks(tables, point) {
-                self.continue_through_masks(tables, point)
-            } else {
-                step::END
-            };
-        }
-        let wi = self.local_direction(point);
-        if settings.strict_normals != 0 && !is_same_side(point, -self.ray.direction, wi.z) {
-            return step::END;
-        }
-        step::SCATTER
+        self.subpath.arrive(tables, rules, point)
     }
 
     /// Adds what the surface emits back along the ray.
     #[inline]
     pub fn add_emission(&mut self, tables: &Tables<'_>, point: &SurfacePoint) {
-        let emitted = emitter::area_radiance(tables, point, -self.ray.direction);
+        let emitted = emitter::area_radiance(tables, point, -self.subpath.ray.direction);
         if emitted.max_element() > 0.0 {
-            let other = if self.last.light_samples > 0.0 {
-                emitter::pdf_direct(tables, self.last.position, point)
+            let other = if self.light_samples > 0.0 {
+                emitter::pdf_direct(tables, self.subpath.position, point)
             } else {
                 0.0
             };
@@ -160,56 +103,12 @@ impl Path {
         }
     }
 
-    /// The direction back along the ray, in the frame of the point where it arrived.
-    #[inline]
-    pub fn local_direction(&self, point: &SurfacePoint) -> Vec3 {
-        point.frame.to_local(-self.ray.direction)
-    }
-
-    /// Goes straight on behind the surface with what its masks let pass; says what is next, one of [`step`].
-    #[inline]
-    pub fn continue_through_masks(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
-        self.throughput *= null_transmittance(tables, point);
-        if self.throughput.max_element() <= 0.0 {
-            return step::END;
-        }
-        self.skip_surface(point)
-    }
-
-    /// Goes straight on through the surface.
-    #[inline]
-    fn skip_surface(&mut self, point: &SurfacePoint) -> u32 {
-        self.crossings += 1;
-        if self.crossings > MAX_NULL_CROSSINGS {
-            return step::END;
-        }
-        pass_through(&mut self.ray, point);
-        step::TRACE
-    }
-
-    /// Leaves the surface along a direction that the BSDF samples; says whether the path goes on, one of [`step`].
-    #[inline]
-    pub fn scatter<S: Sampler>(
-        &mut self,
-        tables: &Tables<'_>,
-        settings: &IntegratorSettings,
-        sampler: &mut S,
-        point: &SurfacePoint,
-        bsdf: &Bsdf,
-        wi: Vec3,
-    ) -> u32 {
-        let u1 = sampler.next_1d();
-        let u2 = sampler.next_2d();
-        let sample = bsdf.sample(tables.data, wi, u1, u2);
-        self.scatter_along(settings, sampler, point, &sample)
-    }
-
     /// Leaves the surface along a sampled direction; says whether the path goes on, one of [`step`].
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-    pub fn scatter_along<S: Sampler>(
+    pub fn scatter<S: Sampler>(
         &mut self,
-        settings: &IntegratorSettings,
+        rules: &PathRules,
         sampler: &mut S,
         point: &SurfacePoint,
         sample: &BsdfSample,
@@ -217,104 +116,173 @@ impl Path {
         if sample.pdf <= 0.0 {
             return step::END;
         }
-        self.throughput *= sample.weight;
-        if self.throughput.max_element() <= 0.0 {
+        let subpath = &mut self.subpath;
+        subpath.throughput *= sample.weight;
+        if subpath.throughput.max_element() <= 0.0 {
             return step::END;
         }
         if sample.event & event::NULL != 0 {
-            return self.skip_surface(point);
+            return subpath.skip_surface(point);
         }
         let direction = point.frame.to_world(sample.wo).normalize();
-        if settings.strict_normals != 0 && !is_same_side(point, direction, sample.wo.z) {
+        if !rules.allows(point, direction, sample.wo.z) {
             return step::END;
         }
-        self.last = Scattering {
-            position: point.position,
-            pdf: sample.pdf,
-            light_samples: if sample.event & event::DELTA != 0 {
-                0.0
-            } else {
-                1.0
-            },
-        };
-        self.eta *= sample.eta;
-        self.depth += 1;
-
-        if self.depth >= settings.rr_depth {
-            let survival = (self.throughput.max_element() * self.eta * self.eta).min(MAX_SURVIVAL);
-            if sampler.next_1d() >= survival {
-                return step::END;
-            }
-            self.throughput /= survival;
-        }
-        self.ray = point.spawn(direction);
-        step::TRACE
-    }
-}
-
-/// A shadow ray: the contribution of an emitter sample to a path, which counts if the ray is not occluded.
-#[derive(Clone, Copy, Debug)]
-pub struct ShadowRay {
-    /// The light that the surface reflects, and the segment to the emitter.
-    pub connection: Connection,
-    /// The path's throughput at the surface.
-    pub throughput: Rgb,
-}
-
-impl ShadowRay {
-    /// No light.
-    pub const NONE: ShadowRay = ShadowRay {
-        connection: Connection::NONE,
-        throughput: Rgb::ZERO,
-    };
-
-    /// The contribution that is not occluded.
-    #[inline]
-    pub fn unshadowed<T: Traverse>(&self, view: &SceneView<'_, T>) -> Rgb {
-        let Connection { radiance, ray } = self.connection;
-        // In this order: wavefronts store the first product only.
-        self.throughput * radiance * transmittance(view, ray)
-    }
-}
-
-impl Path {
-    /// One bounce, from what the path's ray meets to its next ray: gathers emission, samples an emitter into `light`, and
-    /// scatters. Says what is next, [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
-    #[inline]
-    pub fn bounce<S: Sampler>(
-        &mut self,
-        tables: &Tables<'_>,
-        settings: &IntegratorSettings,
-        sampler: &mut S,
-        hit: &Hit,
-        bsdf: &mut Bsdf,
-        light: &mut ShadowRay,
-    ) -> u32 {
-        light.connection.radiance = Rgb::ZERO;
-        if !hit.is_hit() {
-            self.escape(tables, settings);
-            return step::END;
-        }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &self.ray, hit);
-        let next = self.arrive(tables, settings, &point);
-        if next != step::SCATTER {
-            return next;
-        }
-        let wi = self.local_direction(&point);
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        if bsdf.has_smooth() {
-            let strict = settings.strict_normals != 0;
-            let counts = SampleCounts::ONE;
-            *light = ShadowRay {
-                connection: connect(tables, sampler, &point, bsdf, wi, strict, counts),
-                throughput: self.throughput,
-            };
-        }
-        let next = self.scatter(tables, settings, sampler, &point, bsdf, wi);
-        if self.may_continue(settings) {
-            next
+        self.last_pdf = sample.pdf;
+        self.light_samples = if sample.event & event::DELTA != 0 {
+            0.0
         } else {
-            step::END
+            1.0
+        };
+        subpath.eta *= sample.eta;
+        let survival = subpath.camera_survival();
+        subpath.leave(rules, sampler, point, direction, survival)
+    }
+}
+
+/// One path and what its stages hand on: the driver of a loop, and of what a wavefront's lanes do not take.
+pub struct SinglePath<'a, T: Traverse, S> {
+    /// The scene.
+    pub view: &'a SceneView<'a, T>,
+    /// The rules.
+    pub rules: PathRules,
+    /// Samples that compete at a surface.
+    pub counts: SampleCounts,
+    /// The path's random numbers.
+    pub sampler: &'a mut S,
+    /// Room for the surface's BSDF.
+    pub bsdf: &'a mut Bsdf,
+    /// The path.
+    pub path: Path,
+    /// What its ray met.
+    pub hit: Hit,
+    /// One of [`step`].
+    pub next: u32,
+    /// The emitter sample of the last surface.
+    pub shadow_ray: ShadowRay,
+    pub(super) point: SurfacePoint,
+    pub(super) sample: BsdfSample,
+    lobe: u32,
+    light: DirectSample,
+}
+
+impl<'a, T: Traverse, S> SinglePath<'a, T, S> {
+    /// A path before its next ray is traced.
+    #[inline]
+    pub fn new(
+        view: &'a SceneView<'a, T>,
+        rules: PathRules,
+        sampler: &'a mut S,
+        bsdf: &'a mut Bsdf,
+        path: Path,
+    ) -> SinglePath<'a, T, S> {
+        SinglePath {
+            view,
+            rules,
+            counts: SampleCounts::ONE,
+            sampler,
+            bsdf,
+            next: if path.subpath.may_continue(&rules) {
+                step::TRACE
+            } else {
+                step::END
+            },
+            path,
+            hit: Hit::MISS,
+            shadow_ray: ShadowRay::NONE,
+            point: SurfacePoint::ZERO,
+            sample: BsdfSample::NONE,
+            lobe: 0,
+            light: DirectSample::NONE,
+        }
+    }
+
+    #[inline]
+    fn interaction(&self) -> Interaction<'_> {
+        Interaction::new(&self.point, self.bsdf, self.path.subpath.ray.direction)
+    }
+
+    #[inline]
+    fn is_lit(&self) -> bool {
+        self.next == step::SCATTER && self.bsdf.has_smooth()
+    }
+}
+
+impl<T: Traverse, S: Sampler> Shading for SinglePath<'_, T, S> {
+    #[inline]
+    fn arrive(&mut self) {
+        let tables = &self.view.tables;
+        if !self.hit.is_hit() {
+            self.path.escape(tables, &self.rules);
+            self.next = step::END;
+            return;
+        }
+        let subpath = &self.path.subpath;
+        self.point = surface_with::<{ detail::TANGENTS }>(tables, &subpath.ray, &self.hit);
+        self.next = self.path.arrive(tables, &self.rules, &self.point);
+        if self.next == step::SCATTER {
+            let wi = self.path.subpath.local_direction(&self.point);
+            self.bsdf.look_up(tables, &self.point, wi, mode::RADIANCE);
+        }
+    }
+
+    #[inline]
+    fn sample_emitter(&mut self) {
+        if self.is_lit() {
+            self.light = sample_light(&self.view.tables, self.sampler, &self.point);
+        }
+    }
+
+    #[inline]
+    fn evaluate_emitter(&mut self) {
+        self.shadow_ray = ShadowRay::NONE;
+        if self.is_lit() {
+            let tables = &self.view.tables;
+            let at = self.interaction();
+            self.shadow_ray = evaluate_light(tables, &self.rules, &self.light, &at, self.counts);
+            self.shadow_ray.radiance = self.path.subpath.throughput * self.shadow_ray.radiance;
+        }
+    }
+
+    #[inline]
+    fn sample_bsdf(&mut self) {
+        if self.next == step::SCATTER {
+            let u1 = self.sampler.next_1d();
+            let u2 = self.sampler.next_2d();
+            let wi = self.path.subpath.local_direction(&self.point);
+            let data = self.view.tables.data;
+            (self.sample, self.lobe) = self.bsdf.sample_lobe(data, wi, u1, u2);
+        }
+    }
+
+    #[inline]
+    fn mix_lobes(&mut self) {
+        if self.next == step::SCATTER {
+            let wi = self.path.subpath.local_direction(&self.point);
+            let data = self.view.tables.data;
+            self.sample = self.bsdf.mix(data, wi, self.sample, self.lobe);
+        }
+    }
+
+    #[inline]
+    fn scatter(&mut self) {
+        if self.next == step::SCATTER {
+            let (point, sample) = (&self.point, &self.sample);
+            self.next = self.path.scatter(&self.rules, self.sampler, point, sample);
+        }
+    }
+}
+
+impl<T: Traverse, S> Rays for SinglePath<'_, T, S> {
+    #[inline]
+    fn trace(&mut self) {
+        self.hit = self.view.traverse.closest_hit(&self.path.subpath.ray);
+    }
+
+    #[inline]
+    fn trace_shadow_rays(&mut self) {
+        if self.shadow_ray.is_some() {
+            self.path.radiance += self.shadow_ray.unshadowed(self.view);
         }
     }
 }
@@ -326,17 +294,10 @@ pub fn radiance<T: Traverse, S: Sampler>(
     sampler: &mut S,
     ray: &Ray,
 ) -> Rgb {
-    let mut path = Path::new(ray);
     let mut bsdf = Bsdf::BLACK;
-    let mut light = ShadowRay::NONE;
-    let mut continues = path.may_continue(settings);
-    while continues {
-        let hit = view.traverse.closest_hit(&path.ray);
-        let next = path.bounce(&view.tables, settings, sampler, &hit, &mut bsdf, &mut light);
-        if light.connection.is_some() {
-            path.radiance += light.unshadowed(view);
-        }
-        continues = next != step::END;
+    let mut driver = SinglePath::new(view, settings.rules, sampler, &mut bsdf, Path::new(ray));
+    while driver.next != step::END {
+        bounce(&mut driver, shade);
     }
-    path.radiance
+    driver.path.radiance
 }

@@ -29,14 +29,8 @@ pub mod integrator_kind {
 pub struct IntegratorSettings {
     /// One of [`integrator_kind`].
     pub kind: u32,
-    /// Longest path in edges: 1 sees emitters, 2 adds direct illumination; [`u32::MAX`] for no limit.
-    pub max_depth: u32,
-    /// Number of edges from which subpaths may end at random.
-    pub rr_depth: u32,
-    /// 1 if rays from the sensor pass emitters as if they were not there.
-    pub hide_emitters: u32,
-    /// 1 if directions must lie on the same side of the geometric and the shading surface.
-    pub strict_normals: u32,
+    /// Depth, hidden emitters, strict normals, Russian roulette.
+    pub rules: PathRules,
     /// Of direct illumination.
     pub direct: DirectSettings,
     /// Of ambient occlusion.
@@ -120,33 +114,13 @@ impl BidirectionalSettings {
         only_t: NONE,
         unweighted: 0,
     };
-
-    /// Whether the image shows the strategy of `s` light and `t` camera vertices.
-    #[inline]
-    pub fn shows(&self, s: u32, t: u32) -> bool {
-        (self.only_s == NONE || self.only_s == s) && (self.only_t == NONE || self.only_t == t)
-    }
 }
 
 impl IntegratorSettings {
-    /// The rules that walks and connections keep.
-    #[inline]
-    pub fn rules(&self) -> PathRules {
-        PathRules {
-            max_depth: self.max_depth,
-            rr_depth: self.rr_depth,
-            hide_emitters: self.hide_emitters,
-            strict_normals: self.strict_normals,
-        }
-    }
-
     /// Path tracing without a depth limit, Russian roulette from the fifth edge: Mitsuba's defaults.
     pub const PATH: IntegratorSettings = IntegratorSettings {
         kind: integrator_kind::PATH,
-        max_depth: u32::MAX,
-        rr_depth: 5,
-        hide_emitters: 0,
-        strict_normals: 0,
+        rules: PathRules::DEFAULT,
         direct: DirectSettings {
             emitter_samples: 1,
             bsdf_samples: 1,

@@ -114,7 +114,7 @@ impl BidirectionalWorkspace {
         out.radiance.clear();
         out.radiance.resize(samples.len(), Vec3::ZERO);
         out.splats.clear();
-        if settings.max_depth == 0 {
+        if settings.rules.max_depth == 0 {
             return;
         }
         let algorithm = Bidirectional::new(&view.tables, settings);
@@ -233,10 +233,10 @@ impl Shadows {
             sample,
             is_splat: contribution.is_splat(),
         };
-        let passes_emitters = settings.hide_emitters != 0 && pending.is_splat;
+        let passes_emitters = settings.rules.hide_emitters != 0 && pending.is_splat;
         let has_masks = view.tables.info.flags & scene_flag::HAS_NULL != 0;
         if contribution.t == 0 || passes_emitters || has_masks {
-            pending.value *= contribution_transmittance(view, &settings.rules(), contribution);
+            pending.value *= contribution_transmittance(view, &settings.rules, contribution);
             out.add(&pending);
             return;
         }

@@ -49,7 +49,7 @@ impl LockstepWalks {
         mut bounce: impl FnMut(usize, &mut Walk, &Hit) -> u32,
     ) {
         for (k, &i) in self.active.iter().enumerate() {
-            self.rays.set(k, &self.walks[i as usize].ray);
+            self.rays.set(k, &self.walks[i as usize].subpath.ray);
         }
         view.traverse
             .closest_hits(&self.rays, self.active.len(), &mut self.hits);

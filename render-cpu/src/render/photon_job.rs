@@ -83,7 +83,7 @@ impl PhotonWorkspace {
         out.radiance.clear();
         out.radiance.resize(samples.len(), Vec3::ZERO);
         out.splats.clear();
-        if settings.max_depth == 0 {
+        if settings.rules.max_depth == 0 {
             return;
         }
         self.walks.clear();

@@ -20,7 +20,7 @@ use halflight_kernel::math::Rgb;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::scene::{SceneView, camera_kind};
-use halflight_kernel::transport::{IntegratorSettings, bidirectional, camera_ray};
+use halflight_kernel::transport::{bidirectional, camera_ray};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 /// Rows of the image whose samples one thread takes at a time.
@@ -39,7 +39,7 @@ impl StrategyPyramid {
     /// Of a scene's camera, up to `length` edges and the scene's own limit.
     pub fn new(scene: &Scene, length: u32) -> StrategyPyramid {
         StrategyPyramid {
-            length: length.min(scene.settings.max_depth),
+            length: length.min(scene.settings.rules.max_depth),
             has_lens: scene.tables.camera.kind == camera_kind::THIN_LENS,
         }
     }
@@ -180,10 +180,8 @@ impl StrategyBackend<'_> {
         samples: Vec<super::bidirectional_job::TileSample<S>>,
         first: u32,
     ) -> Vec<Found> {
-        let settings = IntegratorSettings {
-            max_depth: self.pyramid.length,
-            ..self.scene.settings
-        };
+        let mut settings = self.scene.settings;
+        settings.rules.max_depth = self.pyramid.length;
         let mut found = vec![Found::default(); self.pyramid.count() as usize];
         let mut vertices = Vertices::default();
         for (pixel, mut sample) in (first..).zip(samples) {

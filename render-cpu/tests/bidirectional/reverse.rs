@@ -211,7 +211,7 @@ fn roulette_undoes_the_scaling_of_refracted_radiance() {
         for (number, next) in [(0.3, step::TRACE), (0.34, step::END)] {
             let ray = Ray::new(point.position * 3.0, -point.position);
             let mut walk = Walk::from_sensor(&ray);
-            walk.throughput = Vec3::splat(0.32);
+            walk.subpath.throughput = Vec3::splat(0.32);
             let wi = point.frame.to_local(point.position);
             let bsdf = Bsdf::at(tables, point, wi, mode::RADIANCE);
             let at = Interaction::new(point, &bsdf, ray.direction);
@@ -221,7 +221,11 @@ fn roulette_undoes_the_scaling_of_refracted_radiance() {
             };
             let h = Heuristic { is_power: true };
             assert_eq!(walk.scatter(tables, &rules, h, &mut numbers, &at), next);
-            assert!((walk.eta - 2.0).abs() < 1e-3, "{}", walk.eta);
+            assert!(
+                (walk.subpath.eta - 2.0).abs() < 1e-3,
+                "{}",
+                walk.subpath.eta
+            );
         }
     });
 }
@@ -254,16 +258,13 @@ fn strict_normals_end_walks_that_sample_a_direction_through_the_surface() {
             let h = Heuristic { is_power: true };
             assert_eq!(walk.scatter(tables, &rules, h, &mut numbers, &at), next);
             // The same of path tracing.
-            let settings = halflight_kernel::transport::IntegratorSettings {
-                strict_normals: strict,
-                ..halflight_kernel::transport::IntegratorSettings::PATH
-            };
             let mut path = halflight_kernel::transport::path::Path::new(&ray);
             let mut numbers = Numbers {
                 one: vec![0.5],
                 two: Vec2::splat(0.5),
             };
-            let found = path.scatter(tables, &settings, &mut numbers, &point, &bsdf, wi);
+            let sample = bsdf.sample(tables.data, wi, 0.5, Vec2::splat(0.5));
+            let found = path.scatter(&rules, &mut numbers, &point, &sample);
             assert_eq!(found, next);
         });
     }

@@ -40,7 +40,7 @@ fn check(
     let mut scene = scene(text, &[("sky.exr", &sky)]);
     let mut path = |depth: u32| {
         let mut settings = settings_of(&scene, integrator_kind::PATH);
-        settings.max_depth = depth;
+        settings.rules.max_depth = depth;
         Batches::render(what, &mut scene, settings, 96)
     };
     let images: Vec<Batches> = (0..=LONGEST).map(&mut path).collect();
@@ -54,7 +54,7 @@ fn check(
                 continue;
             }
             let mut settings = settings_of_strategy(&scene, s, t);
-            settings.max_depth = edges;
+            settings.rules.max_depth = edges;
             let name = format!("{what}: s = {s}, t = {t}");
             let found = Batches::render(&name, &mut scene, settings, 48);
             results.push(if found.relative_error() < 0.25 {

@@ -22,7 +22,7 @@ fn lit_room(max_depth: u32) -> Scene {
     let material = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.6, 0.5, 0.4"/></bsdf>"#;
     let mut scene = scene(&format!("{PINHOLE}{}{LAMP}", room(material)), &[]);
     scene.settings.kind = integrator_kind::BIDIRECTIONAL;
-    scene.settings.max_depth = max_depth;
+    scene.settings.rules.max_depth = max_depth;
     scene
 }
 

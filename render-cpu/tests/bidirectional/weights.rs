@@ -115,8 +115,8 @@ fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> 
     let tables = &view.tables;
     let mut settings = scene.settings;
     settings.kind = integrator_kind::BIDIRECTIONAL;
-    settings.max_depth = 7;
-    settings.rr_depth = 100;
+    settings.rules.max_depth = 7;
+    settings.rules.rr_depth = 100;
     settings.bidirectional.power_heuristic = is_power.into();
     let algorithm = Bidirectional::new(tables, &settings);
     let connector = |unweighted: bool| {
@@ -168,7 +168,7 @@ fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> 
         });
         compare(seen, &[path.as_slice(), &[lens]].concat(), i + 2);
         for (j, other) in cameras.iter().enumerate() {
-            let at = Interaction::new(&other.point, &other.bsdf, other.walk.ray.direction);
+            let at = Interaction::new(&other.point, &other.bsdf, other.walk.subpath.ray.direction);
             let joined = weight(|plain| connector(plain).inner(&end, &other.walk, &at));
             let mut whole = path.clone();
             whole.extend(cameras[..=j].iter().rev().map(|c| c.point));
@@ -177,7 +177,11 @@ fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> 
         }
     }
     for (j, vertex) in cameras.iter().enumerate() {
-        let at = Interaction::new(&vertex.point, &vertex.bsdf, vertex.walk.ray.direction);
+        let at = Interaction::new(
+            &vertex.point,
+            &vertex.bsdf,
+            vertex.walk.subpath.ray.direction,
+        );
         let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
         let (_, point) =
             emitter::sample_direct_with_point(tables, vertex.point.position, u_select, u);
@@ -213,7 +217,7 @@ fn light_walk(
         step::END
     };
     while next == step::TRACE {
-        let hit = view.traverse.closest_hit(&walk.ray);
+        let hit = view.traverse.closest_hit(&walk.subpath.ray);
         next = algorithm.light_bounce(
             &mut walk,
             sampler,
@@ -242,16 +246,16 @@ fn camera_walk(
     let pixel = [sample % 8, sample / 8 % 6];
     let mut walk = Walk::from_sensor(&camera_ray(tables, sampler, pixel).ray);
     for _ in 0..5 {
-        let hit = view.traverse.closest_hit(&walk.ray);
+        let hit = view.traverse.closest_hit(&walk.subpath.ray);
         if !hit.is_hit() {
             break;
         }
-        let point = surface_at(tables, &walk.ray, &hit);
-        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
-        let wi = point.frame.to_local(-walk.ray.direction);
+        let point = surface_at(tables, &walk.subpath.ray, &hit);
+        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
+        let wi = point.frame.to_local(-walk.subpath.ray.direction);
         let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
         vertices.push(CameraVertex { walk, point, bsdf });
-        let at = Interaction::new(&point, &bsdf, walk.ray.direction);
+        let at = Interaction::new(&point, &bsdf, walk.subpath.ray.direction);
         let h = connector.strategies.heuristic;
         if walk.scatter(tables, &connector.rules, h, sampler, &at) != step::TRACE {
             break;

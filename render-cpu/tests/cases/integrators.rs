@@ -18,7 +18,7 @@ fn load(version: &str, integrator: &str, strict: bool) -> Scene {
 fn is_inner(scene: &Scene) {
     assert_eq!(scene.integrator, "direct");
     assert_eq!(scene.settings.kind, integrator_kind::DIRECT);
-    assert_eq!(scene.settings.hide_emitters, 1);
+    assert_eq!(scene.settings.rules.hide_emitters, 1);
     assert_eq!(scene.settings.direct.emitter_samples, 3);
 }
 

@@ -43,30 +43,31 @@ stage!(arrive, |view, settings, path| staged::arrive(
     &settings,
     path
 ));
-stage!(light, |view, settings, path| staged::light(
+stage!(sample_emitter, |view, settings, path| {
+    staged::sample_emitter(&view.tables, path)
+});
+stage!(evaluate_emitter, |view, settings, path| {
+    staged::evaluate_emitter(&view.tables, &settings, path)
+});
+stage!(sample_bsdf, |view, settings, path| staged::sample_bsdf(
     &view.tables,
     path
 ));
-stage!(evaluate, |view, settings, path| staged::evaluate(
+stage!(mix_lobes, |view, settings, path| staged::mix_lobes(
+    &view.tables,
+    path
+));
+stage!(scatter, |view, settings, path| staged::scatter(
     &view.tables,
     &settings,
     path
 ));
-stage!(shadow, |view, settings, path| staged::shadow(&view, path));
-stage!(sample, |view, settings, path| staged::sample(
-    &view.tables,
-    path
-));
-stage!(mix, |view, settings, path| staged::mix(&view.tables, path));
-last_stage!(scatter, |view, settings, path| staged::scatter(
-    &view.tables,
-    &settings,
-    path
-));
-last_stage!(look_through, |view, settings, path| staged::continue_through_masks(
-    &view.tables,
-    path
-));
+last_stage!(trace_shadow_ray, |view, settings, path| {
+    staged::trace_shadow_ray(&view, path)
+});
+last_stage!(continue_through_masks, |view, settings, path| {
+    staged::continue_through_masks(&view.tables, path)
+});
 
 scene_entry!(branch, |view, settings, work, out[slot], paths[path]| {
     let record = paths[slot];
@@ -74,9 +75,13 @@ scene_entry!(branch, |view, settings, work, out[slot], paths[path]| {
     out[slot] = result(&paths[path]);
 });
 
-scene_entry!(follow, |view, settings, work, out[slot], paths[path]| {
+scene_entry!(follow_branch, |view,
+                             settings,
+                             work,
+                             out[slot],
+                             paths[path]| {
     let mut record = paths[slot];
-    staged::follow(&view.tables, &settings, &mut record, &mut paths[path]);
+    staged::follow_branch(&view.tables, &settings, &mut record, &mut paths[path]);
     paths[slot] = record;
     out[slot] = result(&paths[path]);
 });

@@ -108,8 +108,7 @@ layouts! {
     }
     info, SceneInfo { center, radius, environment, srgb_table, flags }
     settings, IntegratorSettings {
-        kind, max_depth, rr_depth, hide_emitters, strict_normals, direct, occlusion, bidirectional,
-        photon
+        kind, rules, direct, occlusion, bidirectional, photon
     }
     direct, DirectSettings { emitter_samples, bsdf_samples }
     occlusion, OcclusionSettings { samples, distance }

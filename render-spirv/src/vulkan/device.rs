@@ -44,8 +44,10 @@ impl Device {
         // wrong index harmless.
         let features =
             vk::PhysicalDeviceFeatures::default().robust_buffer_access(description.robust);
-        let mut features12 =
-            vk::PhysicalDeviceVulkan12Features::default().vulkan_memory_model(true);
+        // Records hold vectors packed as on the host.
+        let mut features12 = vk::PhysicalDeviceVulkan12Features::default()
+            .vulkan_memory_model(true)
+            .scalar_block_layout(true);
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_features(&features)

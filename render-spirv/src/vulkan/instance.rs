@@ -179,6 +179,9 @@ impl Instance {
             if features12.vulkan_memory_model == vk::FALSE {
                 missing.push("the feature vulkanMemoryModel");
             }
+            if features12.scalar_block_layout == vk::FALSE {
+                missing.push("the feature scalarBlockLayout");
+            }
             let text = |s: Result<&CStr, _>| s.map(|s| s.to_string_lossy().into_owned());
             driver = format!(
                 "{} {}",

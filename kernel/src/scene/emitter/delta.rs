@@ -47,7 +47,7 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3) -> DirectSampl
     let record = &tables.emitters[emitter as usize];
     let mut result = DirectSample {
         pdf: 1.0,
-        is_delta: true,
+        is_delta: 1,
         emitter,
         ..DirectSample::NONE
     };

@@ -2,10 +2,12 @@
 
 use crate::math::Rgb;
 use crate::scene::NONE;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Light arriving at a point from a sampled direction.
-#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct DirectSample {
     /// Unit direction from the reference point to the light, in world space.
     pub direction: Vec3,
@@ -19,8 +21,8 @@ pub struct DirectSample {
     /// Density per solid angle including the choice of the emitter, or the probability of the choice for delta lights;
     /// zero for no sample.
     pub pdf: f32,
-    /// Whether no other strategy can find this direction.
-    pub is_delta: bool,
+    /// 1 if no other strategy can find this direction.
+    pub is_delta: u32,
     /// Index into the emitters.
     pub emitter: u32,
 }
@@ -33,7 +35,7 @@ impl DirectSample {
         target: Vec3::ZERO,
         radiance: Vec3::ZERO,
         pdf: 0.0,
-        is_delta: false,
+        is_delta: 0,
         emitter: NONE,
     };
 

@@ -82,7 +82,7 @@ impl<'a> Progressive<'a> {
         Progressive {
             connector: Connector {
                 tables,
-                rules: settings.rules(),
+                rules: settings.rules,
                 strategies: Strategies {
                     heuristic: Heuristic { is_power: false },
                     light_image: false,
@@ -123,28 +123,28 @@ impl<'a> Progressive<'a> {
     ) -> u32 {
         let connector = &self.connector;
         let tables = connector.tables;
-        if !hit.is_hit() || !connector.allows_edges(walk.depth.saturating_add(2)) {
+        if !hit.is_hit() || !connector.allows_edges(walk.subpath.depth.saturating_add(2)) {
             return step::END;
         }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
-        let direction = walk.ray.direction;
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
+        let direction = walk.subpath.ray.direction;
         let wi = point.frame.to_local(-direction);
         if !connector.rules.allows(&point, -direction, wi.z) {
             return step::END;
         }
-        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
         bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         let at = Interaction::new(&point, bsdf, direction);
         let photon = Photon {
             direction: direction.to_array(),
-            throughput: walk.throughput.to_array(),
+            throughput: walk.subpath.throughput.to_array(),
             normal: point.geometric_normal.to_array(),
             d_vcm: walk.arrived.d_vcm,
             d_vc: walk.arrived.d_vc,
-            depth: walk.depth + 1,
+            depth: walk.subpath.depth + 1,
         };
         // Direct light is not gathered.
-        if walk.depth > 0 && self.may_gather(bsdf, is_the_only_way(&photon)) {
+        if walk.subpath.depth > 0 && self.may_gather(bsdf, is_the_only_way(&photon)) {
             store.push(point.position, &photon);
         }
         let h = connector.strategies.heuristic;
@@ -176,22 +176,20 @@ impl<'a> Progressive<'a> {
         if !hit.is_hit() {
             return (connector.escaped(walk), step::END);
         }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.ray, hit);
-        if walk.depth == 0 && connector.rules.hide_emitters != 0 && point.emitter != NONE {
-            return (Vec3::ZERO, walk.pass(&point));
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
+        if walk.subpath.is_hidden(&connector.rules, &point) {
+            return (Vec3::ZERO, walk.subpath.skip_surface(&point));
         }
-        walk.arrive(tables, &connector.rules, &connector.strategies, &point);
+        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
         let mut found = connector.emitted(walk, &point);
         // No strategy has more than one vertex on the light's side.
         walk.arrived = PartialWeights::NONE;
-        if !connector.allows_edges(walk.depth.saturating_add(2)) {
-            return (found, walk.pass_masks(tables, &point));
+        let next = walk.subpath.arrive(tables, &connector.rules, &point);
+        if next != step::SCATTER {
+            return (found, next);
         }
-        let direction = walk.ray.direction;
-        let wi = point.frame.to_local(-direction);
-        if !connector.rules.allows(&point, -direction, wi.z) {
-            return (found, step::END);
-        }
+        let direction = walk.subpath.ray.direction;
+        let wi = walk.subpath.local_direction(&point);
         bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         let at = Interaction::new(&point, bsdf, direction);
         let is_rough = self.may_gather(bsdf, false);
@@ -210,15 +208,15 @@ impl<'a> Progressive<'a> {
                 add(lit);
             }
             let sum = self.gather(walk, &at, cache, radius, !is_rough);
-            found += walk.throughput * sum / emitted.max(1) as f32;
+            found += walk.subpath.throughput * sum / emitted.max(1) as f32;
         }
         if is_rough && !bsdf.has_delta() {
             return (found, step::END);
         }
-        let depth = walk.depth;
+        let depth = walk.subpath.depth;
         let h = connector.strategies.heuristic;
         let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
-        let is_smooth = walk.depth > depth && walk.weights.d_vcm > 0.0;
+        let is_smooth = walk.subpath.depth > depth && walk.weights.d_vcm > 0.0;
         if is_rough && is_smooth {
             return (found, step::END);
         }
@@ -238,7 +236,10 @@ impl<'a> Progressive<'a> {
         let mut sum = Vec3::ZERO;
         for_photons_within(cache, at.point.position, radius, |index, distance2| {
             let photon = &cache.photons[index as usize];
-            let edges = photon.depth.saturating_add(walk.depth).saturating_add(1);
+            let edges = photon
+                .depth
+                .saturating_add(walk.subpath.depth)
+                .saturating_add(1);
             if !connector.allows_edges(edges) || only_unfound && !is_the_only_way(photon) {
                 return;
             }

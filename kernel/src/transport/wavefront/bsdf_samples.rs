@@ -6,10 +6,10 @@ use super::paths::{NextPathLanes, QueuedPaths};
 use super::scattering::ScatteringInputs;
 use super::surfaces::PointLanes;
 use crate::bsdf::{BsdfSample, mixture};
+use crate::path::PathRules;
 use crate::sampler::LaneSampler;
 use crate::simd::lanes::Vec3Lanes;
 use crate::simd::multiversioned;
-use crate::transport::IntegratorSettings;
 use crate::transport::path::step;
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -68,26 +68,24 @@ multiversioned! {
 
     /// Continues the paths along their samples. `next` holds their samplers.
     pub(super) fn continue_along<S: LaneSampler; const N: usize>(
-        settings: &IntegratorSettings,
+        rules: &PathRules,
         queued: &QueuedPaths<'_, N>,
         points: &PointLanes<N>,
         samples: &SampleLanes<N>,
         next: &mut NextPathLanes<N>,
     ) {
         // Paths under strict normals are in the fallback queue.
-        let settings = IntegratorSettings {
+        let rules = PathRules {
             strict_normals: 0,
-            ..*settings
+            ..*rules
         };
         for k in queued.segment.padded::<N>() {
             let mut path = queued.paths.gather(queued.entries[k]);
             let mut sampler = next.paths.sampler_at::<S>(k);
-            let following =
-                path.scatter_along(&settings, &mut sampler, &points.get(k), &samples.get(k));
-            let continues = (following != step::END) & path.may_continue(&settings);
+            let following = path.scatter(&rules, &mut sampler, &points.get(k), &samples.get(k));
             next.paths.set(k, &path);
             next.paths.set_sampler(k, sampler);
-            next.continues[k] = continues as u32;
+            next.continues[k] = (following != step::END) as u32;
         }
     }
 }

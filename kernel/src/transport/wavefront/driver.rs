@@ -4,15 +4,17 @@ use super::bsdf_variant;
 use super::camera_rays::FilmLanes;
 use super::paths::{self, NextPathLanes, PathLanes};
 use super::queues::{self, ShadingQueues, TracedPaths, queue_of};
-use super::shading::{Shaded, ShadingLanes, VariantQueue};
+use super::shading::{Shaded, ShadingLanes, VariantQueue, VariantShading};
 use super::shadow_rays::{self, ShadowRayLanes};
 use crate::bsdf::Bsdf;
 use crate::math::Rgb;
+use crate::path::PathRules;
 use crate::path::visibility::transmittance;
 use crate::sampler::LaneSampler;
 use crate::scene::{HitBatch, NONE, SceneView, Tables, Traverse, scene_flag};
 use crate::simd::SimdLevel;
-use crate::transport::path::{ShadowRay, step};
+use crate::transport::bounce::{Rays, bounce, shade};
+use crate::transport::path::{SinglePath, step};
 use crate::transport::settings::IntegratorSettings;
 use bytemuck::Zeroable;
 use core::marker::PhantomData;
@@ -85,45 +87,26 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         self.film
             .generate::<S>(simd, &view.tables, count, searches, &mut self.paths);
         self.radiance[..count].fill(Rgb::ZERO);
-        let mut active = if settings.max_depth > 0 { count } else { 0 };
+        let mut active = if settings.rules.max_depth > 0 {
+            count
+        } else {
+            0
+        };
         while active > 0 {
-            active = self.bounce(simd, view, settings, active);
+            let mut driver = WavefrontBounce {
+                wavefront: self,
+                simd,
+                view,
+                settings,
+                count: active,
+            };
+            bounce(&mut driver, WavefrontBounce::shade);
+            active = self.compact(simd);
         }
         for k in 0..count {
             self.radiance[k] *= self.film.weight[k];
         }
         &self.radiance[..count]
-    }
-
-    /// One bounce of the first `count` paths; returns how many continue.
-    fn bounce<T: Traverse>(
-        &mut self,
-        simd: SimdLevel,
-        view: &SceneView<'_, T>,
-        settings: &IntegratorSettings,
-        count: usize,
-    ) -> usize {
-        let tables = &view.tables;
-        view.traverse
-            .closest_hits(&self.paths.rays, count, &mut self.hits);
-        let traced = TracedPaths {
-            paths: &self.paths,
-            hits: &self.hits,
-            count,
-        };
-        self.queues.sort(simd, tables, settings, &traced);
-        self.shade_escaped(simd, tables, settings);
-        self.shade_one_by_one(tables, settings);
-        macro_rules! shade {
-            ($($variant:ident)*) => {$(
-                self.shade_variant::<{ bsdf_variant::$variant }>(simd, tables, settings);
-            )*};
-        }
-        shade!(DIFFUSE ROUGH_DIFFUSE CONDUCTOR DIELECTRIC THIN_DIELECTRIC PLASTIC);
-        shade!(ROUGH_CONDUCTOR_BECKMANN ROUGH_CONDUCTOR_GGX ROUGH_DIELECTRIC_BECKMANN);
-        shade!(ROUGH_DIELECTRIC_GGX ROUGH_PLASTIC_BECKMANN ROUGH_PLASTIC_GGX);
-        self.trace_shadow_rays(simd, view);
-        self.compact(simd)
     }
 
     fn shade_escaped(
@@ -142,28 +125,23 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
 
     /// The bounce of the paths in the fallback queue, each as a single path takes it.
     #[inline(never)]
-    fn shade_one_by_one(&mut self, tables: &Tables<'_>, settings: &IntegratorSettings) {
+    fn shade_one_by_one<T: Traverse>(&mut self, view: &SceneView<'_, T>, rules: PathRules) {
         let mut bsdf = Bsdf::BLACK;
-        let mut shadow_ray = ShadowRay::NONE;
         let queued = self.queues.queued(queues::FALLBACK, &self.paths);
         for k in queued.segment.occupied::<N>() {
             let i = queued.entries[k];
             let index = queued.index(k);
-            let mut path = self.paths.gather(i);
             let mut sampler = self.paths.sampler::<S>(i);
-            let hit = self.hits.get((i as usize).min(N - 1));
-            let following = path.bounce(
-                tables,
-                settings,
-                &mut sampler,
-                &hit,
-                &mut bsdf,
-                &mut shadow_ray,
-            );
+            let path = self.paths.gather(i);
+            let mut driver = SinglePath::new(view, rules, &mut sampler, &mut bsdf, path);
+            driver.hit = self.hits.get((i as usize).min(N - 1));
+            shade(&mut driver);
+            let (path, shadow_ray) = (driver.path, driver.shadow_ray);
+            let continues = driver.next != step::END;
             self.radiance[index] += path.radiance;
             self.shadow_rays.set(k, &shadow_ray);
             self.shadow_rays.index[k] = index as u32;
-            self.next.continues[k] = u32::from(following != step::END);
+            self.next.continues[k] = u32::from(continues);
             self.next.paths.set(k, &path);
             self.next.paths.set_sampler(k, sampler);
             self.next.paths.index[k] = index as u32;
@@ -175,7 +153,7 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         &mut self,
         simd: SimdLevel,
         tables: &Tables<'_>,
-        settings: &IntegratorSettings,
+        rules: PathRules,
     ) {
         for is_textured in [false, true] {
             let queue = queue_of(VARIANT, is_textured);
@@ -183,19 +161,24 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
             if queued.segment.count == 0 {
                 continue;
             }
-            let variant_queue = VariantQueue {
-                queued,
-                hits: &self.hits,
-                spheres: self.queues.spheres[queue],
-                is_textured,
-            };
-            let shaded = Shaded {
-                next: &mut self.next,
-                shadow_rays: &mut self.shadow_rays,
-                radiance: &mut self.radiance,
-            };
-            self.shading
-                .shade::<S, VARIANT>(simd, tables, settings, &variant_queue, shaded);
+            shade(&mut VariantShading::<S, VARIANT, N> {
+                simd,
+                tables,
+                rules,
+                lanes: &mut self.shading,
+                queue: VariantQueue {
+                    queued,
+                    hits: &self.hits,
+                    spheres: self.queues.spheres[queue],
+                    is_textured,
+                },
+                shaded: Shaded {
+                    next: &mut self.next,
+                    shadow_rays: &mut self.shadow_rays,
+                    radiance: &mut self.radiance,
+                },
+                sampler: PhantomData,
+            });
         }
     }
 
@@ -238,5 +221,51 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         let count = count.min(N);
         paths::compact(simd, &self.next.paths, &self.list, count, &mut self.paths);
         count
+    }
+}
+
+/// The first `count` paths of a wavefront in a bounce.
+struct WavefrontBounce<'a, T: Traverse, S, const N: usize> {
+    wavefront: &'a mut Wavefront<S, N>,
+    simd: SimdLevel,
+    view: &'a SceneView<'a, T>,
+    settings: &'a IntegratorSettings,
+    count: usize,
+}
+
+impl<T: Traverse, S: LaneSampler, const N: usize> Rays for WavefrontBounce<'_, T, S, N> {
+    fn trace(&mut self) {
+        let (wavefront, view) = (&mut *self.wavefront, self.view);
+        view.traverse
+            .closest_hits(&wavefront.paths.rays, self.count, &mut wavefront.hits);
+        let traced = TracedPaths {
+            paths: &wavefront.paths,
+            hits: &wavefront.hits,
+            count: self.count,
+        };
+        wavefront
+            .queues
+            .sort(self.simd, &view.tables, self.settings, &traced);
+    }
+
+    fn trace_shadow_rays(&mut self) {
+        self.wavefront.trace_shadow_rays(self.simd, self.view);
+    }
+}
+
+impl<T: Traverse, S: LaneSampler, const N: usize> WavefrontBounce<'_, T, S, N> {
+    /// All queues, one after the other.
+    fn shade(&mut self) {
+        let (simd, tables, rules) = (self.simd, &self.view.tables, self.settings.rules);
+        self.wavefront.shade_escaped(simd, tables, self.settings);
+        self.wavefront.shade_one_by_one(self.view, rules);
+        macro_rules! shade {
+            ($($variant:ident)*) => {$(
+                self.wavefront.shade_variant::<{ bsdf_variant::$variant }>(simd, tables, rules);
+            )*};
+        }
+        shade!(DIFFUSE ROUGH_DIFFUSE CONDUCTOR DIELECTRIC THIN_DIELECTRIC PLASTIC);
+        shade!(ROUGH_CONDUCTOR_BECKMANN ROUGH_CONDUCTOR_GGX ROUGH_DIELECTRIC_BECKMANN);
+        shade!(ROUGH_DIELECTRIC_GGX ROUGH_PLASTIC_BECKMANN ROUGH_PLASTIC_GGX);
     }
 }

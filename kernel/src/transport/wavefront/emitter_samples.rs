@@ -64,7 +64,7 @@ impl<const N: usize> EmitterSampleLanes<N> {
             target: self.target.get(k),
             radiance: self.radiance.get(k),
             pdf: self.pdf[k],
-            is_delta: self.is_delta[k] != 0,
+            is_delta: self.is_delta[k],
             emitter: self.emitter[k],
         }
     }
@@ -77,7 +77,7 @@ impl<const N: usize> EmitterSampleLanes<N> {
         self.target.set(k, light.target);
         self.radiance.set(k, light.radiance);
         self.pdf[k] = light.pdf;
-        self.is_delta[k] = light.is_delta as u32;
+        self.is_delta[k] = light.is_delta;
     }
 
     /// [`emitter::sample_direct`] at the surface points of a segment.

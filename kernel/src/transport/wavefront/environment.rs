@@ -255,7 +255,7 @@ multiversioned! {
         for k in queued.segment.padded::<N>() {
             let mut path = queued.paths.gather(queued.entries[k]);
             path.add_weighted(environment.radiance.get(k), environment.pdf[k] * selection_pdf);
-            let sees = path.sees_emitters(settings);
+            let sees = path.subpath.sees_emitters(&settings.rules);
             gain.set(k, if sees { path.radiance } else { Rgb::ZERO });
         }
     }

@@ -2,31 +2,28 @@
 
 use super::segment::Segment;
 use crate::math::{Ray, Rgb};
+use crate::path::Subpath;
 use crate::sampler::LaneSampler;
 use crate::scene::RayBatch;
 use crate::simd::lanes::{Vec3Lanes, gather, round_up_to_vector};
 use crate::simd::multiversioned;
-use crate::transport::path::{Path, Scattering};
+use crate::transport::path::Path;
 use bytemuck::Zeroable;
 
 /// Up to `N` paths. Their radiance is accumulated elsewhere, at [`PathLanes::index`].
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct PathLanes<const N: usize> {
-    /// See [`Path::ray`].
+    /// See [`Subpath`].
     pub rays: RayBatch<N>,
-    /// See [`Path::throughput`].
     pub throughput: Vec3Lanes<N>,
-    /// See [`Path::eta`].
     pub eta: [f32; N],
-    /// See [`Scattering`].
-    pub last_position: Vec3Lanes<N>,
-    pub last_pdf: [f32; N],
-    pub last_light_samples: [f32; N],
-    /// See [`Path::depth`].
+    pub position: Vec3Lanes<N>,
     pub depth: [u32; N],
-    /// See [`Path::crossings`].
     pub crossings: [u32; N],
+    /// See [`Path`].
+    pub last_pdf: [f32; N],
+    pub light_samples: [f32; N],
     /// The words of the samplers.
     pub sampler: [[u32; N]; 4],
     /// The number of the path in the wavefront.
@@ -38,36 +35,37 @@ impl<const N: usize> PathLanes<N> {
     #[inline(always)]
     pub fn gather(&self, i: u32) -> Path {
         Path {
-            ray: Ray {
-                origin: self.rays.origin.gather(i),
-                direction: self.rays.direction.gather(i),
-                t_min: gather(&self.rays.t_min, i),
-                t_max: gather(&self.rays.t_max, i),
+            subpath: Subpath {
+                ray: Ray {
+                    origin: self.rays.origin.gather(i),
+                    direction: self.rays.direction.gather(i),
+                    t_min: gather(&self.rays.t_min, i),
+                    t_max: gather(&self.rays.t_max, i),
+                },
+                throughput: self.throughput.gather(i),
+                eta: gather(&self.eta, i),
+                position: self.position.gather(i),
+                depth: gather(&self.depth, i),
+                crossings: gather(&self.crossings, i),
             },
             radiance: Rgb::ZERO,
-            throughput: self.throughput.gather(i),
-            eta: gather(&self.eta, i),
-            last: Scattering {
-                position: self.last_position.gather(i),
-                pdf: gather(&self.last_pdf, i),
-                light_samples: gather(&self.last_light_samples, i),
-            },
-            depth: gather(&self.depth, i),
-            crossings: gather(&self.crossings, i),
+            last_pdf: gather(&self.last_pdf, i),
+            light_samples: gather(&self.light_samples, i),
         }
     }
 
     /// Sets path `i < N`, except for its sampler and its index.
     #[inline(always)]
     pub fn set(&mut self, i: usize, path: &Path) {
-        self.rays.set(i, &path.ray);
-        self.throughput.set(i, path.throughput);
-        self.eta[i] = path.eta;
-        self.last_position.set(i, path.last.position);
-        self.last_pdf[i] = path.last.pdf;
-        self.last_light_samples[i] = path.last.light_samples;
-        self.depth[i] = path.depth;
-        self.crossings[i] = path.crossings;
+        let subpath = &path.subpath;
+        self.rays.set(i, &subpath.ray);
+        self.throughput.set(i, subpath.throughput);
+        self.eta[i] = subpath.eta;
+        self.position.set(i, subpath.position);
+        self.depth[i] = subpath.depth;
+        self.crossings[i] = subpath.crossings;
+        self.last_pdf[i] = path.last_pdf;
+        self.light_samples[i] = path.light_samples;
     }
 
     /// The sampler of path `i`; the last one if `i` is beyond the end.

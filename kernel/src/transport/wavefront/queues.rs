@@ -147,8 +147,8 @@ multiversioned! {
         let (mut present, mut present_at_spheres) = (0, 0);
         let (paths, hits) = (traced.paths, traced.hits);
         let triangle_count = tables.triangles.len() as u32;
-        let is_strict = settings.strict_normals != 0;
-        let hides = settings.hide_emitters != 0;
+        let is_strict = settings.rules.strict_normals != 0;
+        let hides = settings.rules.hide_emitters != 0;
         for i in 0..round_up_to_vector::<N>(traced.count) {
             let primitive = hits.primitive[i];
             let mut shape = field(tables.triangles, primitive, |t| t.shape);
@@ -165,7 +165,7 @@ multiversioned! {
             let flags = field(tables.materials, material, |m| m.flags);
             let variant = bsdf_variant::of_material(flags);
             let is_textured = (flags & material_flag::TEXTURED != 0) as u32;
-            let may_scatter = paths.depth[i].wrapping_add(1) < settings.max_depth;
+            let may_scatter = paths.depth[i].wrapping_add(1) < settings.rules.max_depth;
             let emits = field(tables.shapes, shape, |s| s.emitter) != NONE;
             let is_in_world =
                 ((primitive < triangle_count) | is_sphere) & (hits.instance[i] == 0);

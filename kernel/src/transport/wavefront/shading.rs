@@ -1,7 +1,4 @@
-//! Shading of the queues that belong to BSDF variants: one bounce of [`crate::transport::path`] as a sequence of loops over
-//! lanes.
-//!
-//! In the order of a single path: surface point, emission, lobe, emitter sample, scattered direction.
+//! Shading of the queues that belong to BSDF variants: each stage of [`crate::transport::bounce`] as loops over lanes.
 
 use super::bsdf_samples::{self, SampleLanes};
 use super::bsdf_variant;
@@ -20,14 +17,16 @@ use super::textures::TextureLanes;
 use crate::bsdf::lobe::is_delta;
 use crate::bsdf::mixture;
 use crate::math::Rgb;
+use crate::path::PathRules;
 use crate::sampler::LaneSampler;
 use crate::scene::{HitBatch, NONE, Tables};
 use crate::simd::lanes::{Vec3Lanes, gather};
 use crate::simd::{SimdLevel, multiversioned};
-use crate::transport::connection::{Connection, SampleCounts, weighted_contribution};
-use crate::transport::path::ShadowRay;
+use crate::transport::bounce::Shading;
+use crate::transport::connection::{SampleCounts, ShadowRay, weighted_contribution};
 use crate::transport::settings::IntegratorSettings;
 use bytemuck::Zeroable;
+use core::marker::PhantomData;
 
 /// What shading keeps between its loops, by slot.
 #[repr(C, align(64))]
@@ -88,48 +87,6 @@ impl<const N: usize> ShadingLanes<N> {
         }
     }
 
-    /// One bounce of the paths of a variant's queue.
-    pub fn shade<S: LaneSampler, const VARIANT: u32>(
-        &mut self,
-        simd: SimdLevel,
-        tables: &Tables<'_>,
-        settings: &IntegratorSettings,
-        queue: &VariantQueue<'_, N>,
-        shaded: Shaded<'_, N>,
-    ) {
-        let queued = &queue.queued;
-        let segment = queued.segment;
-        self.look_up_surfaces(simd, tables, queue);
-        self.add_emission(tables, queued, shaded.radiance);
-        lobes::look_up::<VARIANT, N>(simd, tables, &self.points, segment, &mut self.lobes);
-        if queue.is_textured {
-            let (points, textures) = (&self.points, &mut self.textures);
-            self.lobes
-                .look_up_textures::<VARIANT>(simd, tables, points, segment, textures);
-        }
-        let (next, numbers) = (&mut shaded.next.paths, &mut self.numbers);
-        if is_delta(bsdf_variant::kind(VARIANT)) {
-            random_numbers::draw::<S, false, N>(simd, queued, next, numbers);
-            shaded.shadow_rays.clear(segment);
-        } else {
-            random_numbers::draw::<S, true, N>(simd, queued, next, numbers);
-            self.sample_emitters::<VARIANT>(simd, tables, queued, shaded.shadow_rays);
-        }
-        let inputs = ScatteringInputs {
-            points: &self.points,
-            lobes: &self.lobes,
-            numbers: &self.numbers,
-            segment,
-        };
-        if bsdf_variant::is_rough(VARIANT) {
-            self.normals.sample::<VARIANT>(simd, &inputs);
-        }
-        let (normals, samples) = (&self.normals, &mut self.samples);
-        bsdf_samples::sample::<VARIANT, N>(simd, tables.data, &inputs, normals, samples);
-        let (points, samples) = (&self.points, &self.samples);
-        bsdf_samples::continue_along::<S, N>(simd, settings, queued, points, samples, shaded.next);
-    }
-
     fn look_up_surfaces(
         &mut self,
         simd: SimdLevel,
@@ -164,32 +121,97 @@ impl<const N: usize> ShadingLanes<N> {
             }
         }
     }
+}
 
-    /// Shadow rays to emitter samples.
-    fn sample_emitters<const VARIANT: u32>(
-        &mut self,
-        simd: SimdLevel,
-        tables: &Tables<'_>,
-        queued: &QueuedPaths<'_, N>,
-        shadow_rays: &mut ShadowRayLanes<N>,
-    ) {
+/// The stages of the paths in the queue of a BSDF variant.
+pub(super) struct VariantShading<'a, S, const VARIANT: u32, const N: usize> {
+    pub simd: SimdLevel,
+    pub tables: &'a Tables<'a>,
+    pub rules: PathRules,
+    pub lanes: &'a mut ShadingLanes<N>,
+    pub queue: VariantQueue<'a, N>,
+    pub shaded: Shaded<'a, N>,
+    pub sampler: PhantomData<S>,
+}
+
+impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
+    for VariantShading<'_, S, VARIANT, N>
+{
+    fn arrive(&mut self) {
+        let (simd, tables, queued) = (self.simd, self.tables, &self.queue.queued);
+        let lanes = &mut *self.lanes;
+        lanes.look_up_surfaces(simd, tables, &self.queue);
+        lanes.add_emission(tables, queued, self.shaded.radiance);
+        let segment = queued.segment;
+        lobes::look_up::<VARIANT, N>(simd, tables, &lanes.points, segment, &mut lanes.lobes);
+        if self.queue.is_textured {
+            let (points, textures) = (&lanes.points, &mut lanes.textures);
+            lanes
+                .lobes
+                .look_up_textures::<VARIANT>(simd, tables, points, segment, textures);
+        }
+    }
+
+    /// Draws the numbers of the whole bounce, too.
+    fn sample_emitter(&mut self) {
+        let (simd, queued) = (self.simd, &self.queue.queued);
+        let lanes = &mut *self.lanes;
+        let (next, numbers) = (&mut self.shaded.next.paths, &mut lanes.numbers);
+        if is_delta(bsdf_variant::kind(VARIANT)) {
+            random_numbers::draw::<S, false, N>(simd, queued, next, numbers);
+            return;
+        }
+        random_numbers::draw::<S, true, N>(simd, queued, next, numbers);
         let at = References {
-            points: &self.points,
-            numbers: &self.numbers,
+            points: &lanes.points,
+            numbers: &lanes.numbers,
             segment: queued.segment,
         };
         let scratch = Scratch {
-            searches: &mut self.searches,
-            textures: &mut self.textures,
+            searches: &mut lanes.searches,
+            textures: &mut lanes.textures,
         };
-        self.lights
-            .sample(simd, tables, &at, &mut self.environment, scratch);
+        lanes
+            .lights
+            .sample(simd, self.tables, &at, &mut lanes.environment, scratch);
+    }
+
+    fn evaluate_emitter(&mut self) {
+        let queued = &self.queue.queued;
+        let shadow_rays = &mut *self.shaded.shadow_rays;
+        if is_delta(bsdf_variant::kind(VARIANT)) {
+            shadow_rays.clear(queued.segment);
+            return;
+        }
         let lit = LitSurfaces {
-            points: &self.points,
-            lobes: &self.lobes,
-            lights: &self.lights,
+            points: &self.lanes.points,
+            lobes: &self.lanes.lobes,
+            lights: &self.lanes.lights,
         };
-        evaluate_lights::<VARIANT, N>(simd, tables, queued, &lit, shadow_rays);
+        evaluate_lights::<VARIANT, N>(self.simd, self.tables, queued, &lit, shadow_rays);
+    }
+
+    fn sample_bsdf(&mut self) {
+        let inputs = ScatteringInputs {
+            points: &self.lanes.points,
+            lobes: &self.lanes.lobes,
+            numbers: &self.lanes.numbers,
+            segment: self.queue.queued.segment,
+        };
+        if bsdf_variant::is_rough(VARIANT) {
+            self.lanes.normals.sample::<VARIANT>(self.simd, &inputs);
+        }
+        let (normals, samples) = (&self.lanes.normals, &mut self.lanes.samples);
+        bsdf_samples::sample::<VARIANT, N>(self.simd, self.tables.data, &inputs, normals, samples);
+    }
+
+    /// Variants have one lobe.
+    fn mix_lobes(&mut self) {}
+
+    fn scatter(&mut self) {
+        let (points, samples) = (&self.lanes.points, &self.lanes.samples);
+        let (queued, next) = (&self.queue.queued, &mut *self.shaded.next);
+        bsdf_samples::continue_along::<S, N>(self.simd, &self.rules, queued, points, samples, next);
     }
 }
 
@@ -216,14 +238,11 @@ multiversioned! {
             let light = lit.lights.get(k);
             let wo = point.frame.to_local(light.direction);
             let (value, pdf) = mixture::plain::eval_cosine_pdf(&lobe, tables.data, wi, wo);
-            let mut connection = weighted_contribution(&light, &point, SampleCounts::ONE, value, pdf);
+            let mut shadow_ray = weighted_contribution(&light, &point, SampleCounts::ONE, value, pdf);
             if !light.is_some() || value.max_element() <= 0.0 {
-                connection = Connection::NONE;
+                shadow_ray = ShadowRay::NONE;
             }
-            let shadow_ray = ShadowRay {
-                connection,
-                throughput: queued.paths.throughput.gather(i),
-            };
+            shadow_ray.radiance = queued.paths.throughput.gather(i) * shadow_ray.radiance;
             shadow_rays.set(k, &shadow_ray);
             shadow_rays.index[k] = gather(&queued.paths.index, i);
         }

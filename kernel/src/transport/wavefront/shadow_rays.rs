@@ -5,7 +5,7 @@ use crate::math::{Ray, Rgb};
 use crate::scene::{HitBatch, RayBatch};
 use crate::simd::lanes::{Vec3Lanes, gather, round_up_to_vector};
 use crate::simd::multiversioned;
-use crate::transport::path::ShadowRay;
+use crate::transport::connection::ShadowRay;
 use bytemuck::Zeroable;
 
 /// Up to `N` shadow rays.
@@ -24,9 +24,8 @@ impl<const N: usize> ShadowRayLanes<N> {
     /// Sets slot `k < N`, except for its index.
     #[inline(always)]
     pub fn set(&mut self, k: usize, shadow_ray: &ShadowRay) {
-        self.rays.set(k, &shadow_ray.connection.ray);
-        self.radiance
-            .set(k, shadow_ray.throughput * shadow_ray.connection.radiance);
+        self.rays.set(k, &shadow_ray.ray);
+        self.radiance.set(k, shadow_ray.radiance);
     }
 
     /// Shadow rays without a contribution in the slots of a segment.

@@ -42,10 +42,10 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         (None, None) => "path".to_string(),
     };
     if let Some(object) = object {
-        settings.hide_emitters = object.get_bool("hide_emitters", false)?.into();
-        settings.strict_normals = object.get_bool("strict_normals", false)?.into();
-        settings.max_depth = depth(object, "max_depth", -1)?;
-        settings.rr_depth = depth(object, "rr_depth", 5)?;
+        settings.rules.hide_emitters = object.get_bool("hide_emitters", false)?.into();
+        settings.rules.strict_normals = object.get_bool("strict_normals", false)?.into();
+        settings.rules.max_depth = depth(object, "max_depth", -1)?;
+        settings.rules.rr_depth = depth(object, "rr_depth", 5)?;
         let shading = object.get_int_in("shading_samples", 1, 0, 1 << 20)?;
         settings.direct.emitter_samples =
             object.get_int_in("emitter_samples", shading, 0, 1 << 20)? as u32;
@@ -87,7 +87,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         }
     };
     if settings.kind == integrator_kind::DIRECT {
-        settings.max_depth = settings.max_depth.min(2);
+        settings.rules.max_depth = settings.rules.max_depth.min(2);
         if settings.direct.emitter_samples + settings.direct.bsdf_samples == 0 {
             return Err(object.map_or_else(
                 || SceneError::Request("no samples".to_string()),

@@ -5,6 +5,7 @@
 //! fields are exhaustive: a new field that is missing here does not compile.
 
 use crate::interface::{Dispatch, SceneConstants, WorkItem};
+use halflight_kernel::path::PathRules;
 use halflight_kernel::scene::{
     BvhNode, Camera, CoatRecord, Emitter, FrameMap, Instance, LobeRecord, Material, Quadric,
     RgbParameter, ScalarParameter, SceneInfo, Shape, Texture, Triangle, WeightFactor,
@@ -110,6 +111,7 @@ layouts! {
     settings, IntegratorSettings {
         kind, rules, direct, occlusion, bidirectional, photon
     }
+    rules, PathRules { max_depth, rr_depth, hide_emitters, strict_normals }
     direct, DirectSettings { emitter_samples, bsdf_samples }
     occlusion, OcclusionSettings { samples, distance }
     bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted }

@@ -40,6 +40,7 @@ pub fn read_file(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > max_bytes {
         return Err(too_large());
     }
+    tracing::debug!("read {}, {} bytes", path.display(), bytes.len());
     match mistaken(path, &bytes) {
         Some(what) => Err(io::Error::new(io::ErrorKind::InvalidData, what)),
         None => Ok(bytes),

@@ -36,4 +36,5 @@ pub mod mesh;
 pub mod plot;
 pub mod processor;
 pub mod render;
+pub mod say;
 pub mod scene;

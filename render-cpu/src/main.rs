@@ -28,7 +28,7 @@ enum Command {
     Material(material::MaterialArgs),
     /// Compare two images
     Compare(compare::CompareArgs),
-    /// Merge images of the same scene with different samples
+    /// Merge images of the same scene with different samples, or crops of one image
     Merge(merge::MergeArgs),
     /// Render one image as many tasks that share a folder, on a cluster for instance
     Farm(farm::FarmArgs),

@@ -169,6 +169,8 @@ fn metadata() -> ImageMetadata {
             to: 7,
         }],
         render_seconds: 1.5,
+        scene_digest: "0123456789abcdef".into(),
+        settings: [("max_depth".into(), "-1".into())].into(),
     }
 }
 

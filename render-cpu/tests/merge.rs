@@ -53,6 +53,8 @@ fn metadata(seed: u64, from: u32, to: u32) -> ImageMetadata {
         spp: f64::from(to - from),
         sample_ranges: vec![SampleRange { seed, from, to }],
         render_seconds: 0.5,
+        scene_digest: "0123456789abcdef".into(),
+        settings: [("max_depth".into(), "8".into())].into(),
     }
 }
 
@@ -195,10 +197,17 @@ fn what_does_not_belong_together_is_refused() {
     };
     let scene = image("s.exr", &film(2, 0..4, &LAYERS), scene);
     assert!(refuse(&scene).contains("hall.xml"));
-    let size = Film::new(5, 7, [2, 3], LAYERS.into_iter().collect()).unwrap();
-    assert!(refuse(&image("z.exr", &size, metadata(2, 0, 4))).contains("5 x 7"));
-    let crop = Film::new(7, 5, [0, 0], LAYERS.into_iter().collect()).unwrap();
-    assert!(refuse(&image("c.exr", &crop, metadata(2, 0, 4))).contains("(0, 0)"));
+    let size = LayeredImage::from_film(&film(2, 0..4, &LAYERS), [32, 24], metadata(2, 0, 4));
+    write_exr(&at("z.exr"), &size, false).unwrap();
+    assert!(refuse(&read_exr(at("z.exr")).unwrap()).contains("its size is 32 x 24"));
+    let sampler = ImageMetadata {
+        sampler: "independent".into(),
+        ..metadata(2, 0, 4)
+    };
+    assert!(
+        refuse(&image("i.exr", &film(2, 0..4, &LAYERS), sampler))
+            .contains("its sampler is independent")
+    );
     assert!(refuse(&image("n.exr", &film(2, 0..4, &[]), metadata(2, 0, 4))).contains("samples"));
     let mut broken = image("b.exr", &film(2, 0..4, &LAYERS), metadata(2, 0, 4));
     broken
@@ -220,7 +229,7 @@ fn what_does_not_belong_together_is_refused() {
     for other in [&overlap, &scene] {
         let mut merger = Merger::new("first.exr", &first, true).unwrap();
         merger.add("other.exr", other).unwrap();
-        assert_eq!(merger.warnings().len(), 1);
+        assert_eq!(merger.warnings().len(), 1, "{:?}", merger.warnings());
     }
     // The command leaves no file, and names the one that it cannot read.
     let error = run(&args(&[at("first.exr"), at("o.exr")], at("out.exr")))
@@ -235,6 +244,90 @@ fn what_does_not_belong_together_is_refused() {
         .to_string();
     assert!(error.contains("none.exr"), "{error}");
     assert!(!at("out.exr").exists());
+}
+
+#[test]
+fn images_are_told_apart_by_what_they_carry() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = |name: &str, seed: u32, change: &dyn Fn(&mut ImageMetadata)| {
+        let mut metadata = metadata(seed.into(), 0, 4);
+        change(&mut metadata);
+        write(
+            &folder.path().join(name),
+            &film(seed, 0..4, &LAYERS),
+            metadata,
+        )
+    };
+    let first = image("a.exr", 1, &|_| {});
+    let add = |other: &ExrImage, force| {
+        let mut merger = Merger::new("a.exr", &first, force).unwrap();
+        merger
+            .add("b.exr", other)
+            .map(|()| merger.warnings().to_vec())
+    };
+    // The same names, but the scene was edited between the two.
+    let edited = image("b.exr", 2, &|m| m.scene_digest = "fedcba9876543210".into());
+    let error = add(&edited, false).unwrap_err().to_string();
+    assert!(error.contains("has changed between them"), "{error}");
+    assert_eq!(add(&edited, true).unwrap().len(), 1);
+    let deeper = image("c.exr", 2, &|m| {
+        m.settings.insert("max_depth".into(), "-1".into());
+    });
+    let error = add(&deeper, false).unwrap_err().to_string();
+    assert!(
+        error.contains("its max_depth is -1, that of a.exr is 8"),
+        "{error}"
+    );
+    let other = image("d.exr", 2, &|m| m.integrator = "bdpt".into());
+    let error = add(&other, false).unwrap_err().to_string();
+    assert!(error.contains("its integrator is bdpt"), "{error}");
+    // Of earlier programs, which did not say.
+    let silent = image("e.exr", 2, &|m| m.scene_digest.clear());
+    assert_eq!(add(&silent, false).unwrap().len(), 1);
+    assert!(add(&image("f.exr", 2, &|_| {}), false).unwrap().is_empty());
+}
+
+#[test]
+fn crops_come_to_their_places() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = |name: &str, offset: [u32; 2], size: [u32; 2], value: f32, samples: u32| {
+        let layers = [Aov::Variance, Aov::Samples].into_iter().collect();
+        let mut film = Film::new(size[0], size[1], offset, layers).unwrap();
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                (0..samples).for_each(|_| film.pixel_mut(x, y).add_sample(Vec3::splat(value)));
+            }
+        }
+        write(&folder.path().join(name), &film, metadata(1, 0, samples))
+    };
+    let left = part("a.exr", [2, 3], [3, 2], 1.0, 2);
+    let right = part("b.exr", [6, 1], [2, 3], 5.0, 2);
+    let mut merger = Merger::new("a.exr", &left, false).unwrap();
+    merger.add("b.exr", &right).unwrap();
+    write_exr(&folder.path().join("c.exr"), &merger.finish(), false).unwrap();
+    let both = read_exr(folder.path().join("c.exr")).unwrap();
+    assert_eq!((both.origin, both.width, both.height), ([2, 1], 6, 4));
+    assert_eq!(both.attribute("sampleRanges"), Some("1:0..2"));
+    let expected = [
+        [0.0, 0.0, 0.0, 0.0, 5.0, 5.0],
+        [0.0, 0.0, 0.0, 0.0, 5.0, 5.0],
+        [1.0, 1.0, 1.0, 0.0, 5.0, 5.0],
+        [1.0, 1.0, 1.0, 0.0, 0.0, 0.0],
+    ]
+    .concat();
+    assert_eq!(both.channel("G").unwrap(), expected);
+    let counts = both.channel("samples").unwrap();
+    assert!(
+        counts
+            .iter()
+            .zip(&expected)
+            .all(|(n, v)| *n == if *v > 0.0 { 2.0 } else { 0.0 })
+    );
+    // Where crops meet, the same samples would count twice.
+    let above = part("d.exr", [3, 4], [1, 5], 1.0, 2);
+    let mut merger = Merger::new("a.exr", &left, false).unwrap();
+    let error = merger.add("d.exr", &above).unwrap_err().to_string();
+    assert!(error.contains("hold the same samples"), "{error}");
 }
 
 #[test]

@@ -1,11 +1,13 @@
 //! `halflight compare`: how much an image differs from a reference.
 
+use super::output_file;
 use crate::atomic_file::WriteError;
 use crate::compare::comparison::{CompareError, Comparison, ErrorMap, Metric, Options};
 use crate::compare::heatmap;
 use crate::compare::metrics::ztest::{LevelResult, Settings};
 use crate::image::png_output::write_png_bytes;
 use crate::image::{ImageError, read_exr};
+use crate::say::{print, print_line};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -69,6 +71,12 @@ pub enum CompareCommandError {
     /// The heatmap could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// What cannot be written.
+    #[error("{0}")]
+    Output(String),
+    /// The numbers could not be printed.
+    #[error(transparent)]
+    Print(#[from] std::io::Error),
     /// A threshold on a metric that these images do not have.
     #[error("there is no {metric} of these images: {why}")]
     NoMetric {
@@ -92,6 +100,10 @@ pub enum CompareCommandError {
 /// If an image cannot be read, the images do not compare, or the heatmap cannot be written.
 pub fn run(args: &CompareArgs) -> Result<ExitCode, CompareCommandError> {
     check_sides(args)?;
+    if let Some(path) = &args.heatmap {
+        let inputs = [args.image.as_path(), args.reference.as_path()];
+        output_file::check(path, &["png"], inputs).map_err(CompareCommandError::Output)?;
+    }
     let (image, reference) = (read_exr(&args.image)?, read_exr(&args.reference)?);
     let (image_name, reference_name) = (
         args.image.display().to_string(),
@@ -122,21 +134,18 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode, CompareCommandError> {
         write_png_bytes(path, width as u32, height as u32, &bytes)?;
     }
     if args.json {
-        println!(
+        print_line(format_args!(
             "{:#}",
             to_json(&image_name, &reference_name, &comparison, &failures)
-        );
+        ))?;
     } else {
-        print!(
-            "{}",
-            to_table(
-                &image_name,
-                &reference_name,
-                &comparison,
-                &failures,
-                args.false_alarm_rate
-            )
-        );
+        print(to_table(
+            &image_name,
+            &reference_name,
+            &comparison,
+            &failures,
+            args.false_alarm_rate,
+        ))?;
     }
     Ok(if failures.is_empty() {
         ExitCode::SUCCESS

@@ -1,5 +1,6 @@
 //! `halflight experiment convergence`: algorithms on one scene for the same processor time.
 
+use super::output_file;
 use super::render_values::{parse_duration, parse_exposure};
 use super::scene_args::{SceneArgs, build_accel, parse_numbers};
 use crate::experiment::convergence::errors::Reference;
@@ -11,6 +12,8 @@ use crate::image::png_output::{Exposure, exposure_scale, tone_map, write_png_byt
 use crate::image::read_exr;
 use crate::plot::picture::{Picture, Window};
 use crate::plot::write_png;
+use crate::processor::set_threads;
+use crate::say::{note, print, print_line};
 use clap::Args;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -73,14 +76,11 @@ fn parse_window(text: &str) -> Result<Window, String> {
 /// # Errors
 /// What keeps the comparison from being made or written, in one sentence.
 pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    let inputs = || args.reference.iter().chain([&args.scene.scene]);
     for path in args.output.iter().chain(&args.sheet) {
-        check_output(path)?;
+        output_file::check(path, &["png"], inputs().map(PathBuf::as_path))?;
     }
-    if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()?;
-    }
+    set_threads(args.threads)?;
     let mut integrators = Vec::new();
     let mut scene = None;
     for name in &args.integrators {
@@ -138,14 +138,14 @@ pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Erro
         reference.as_ref(),
         |share| {
             if !quiet {
-                eprintln!("{:5.1} % done", 100.0 * share);
+                note(format_args!("{:5.1} % done", 100.0 * share));
             }
         },
     )?;
     if args.json {
-        println!("{:#}", json(&subject, &outcomes));
+        print_line(format_args!("{:#}", json(&subject, &outcomes)))?;
     } else {
-        print!("{}", table(&subject, &outcomes));
+        print(table(&subject, &outcomes))?;
     }
     if let Some(path) = &args.output {
         write_png(path, &plots(&subject, &outcomes))?;
@@ -161,28 +161,6 @@ fn file_stem(path: &Path) -> String {
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned()
-}
-
-/// Before anything is rendered, so that a bad name costs nothing.
-fn check_output(path: &Path) -> Result<(), String> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if path
-        .extension()
-        .is_none_or(|e| !e.eq_ignore_ascii_case("png"))
-    {
-        return Err(format!("{}: a picture's name ends in .png", path.display()));
-    }
-    if !folder.is_dir() {
-        return Err(format!(
-            "{}: there is no folder {}",
-            path.display(),
-            folder.display()
-        ));
-    }
-    Ok(())
 }
 
 fn is_inside([x, y, w, h]: Window, [width, height]: [u32; 2]) -> bool {

@@ -1,8 +1,10 @@
 //! `halflight experiment`: what the papers prove, reproduced, and algorithms compared on a scene.
 
 use super::convergence::{self, ConvergenceArgs};
+use super::output_file;
 use crate::experiment::{ALL, Experiment};
 use crate::plot::{PlotError, write_png};
+use crate::say::{print, print_line};
 use clap::{Args, Subcommand};
 use std::error::Error;
 use std::path::PathBuf;
@@ -60,15 +62,18 @@ pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error
     let name = args.name.as_deref().unwrap_or("list");
     if name == "list" {
         for experiment in &ALL {
-            println!("{:<24}{}", experiment.name, experiment.about);
+            print_line(format_args!("{:<24}{}", experiment.name, experiment.about))?;
         }
         let about = "algorithms on a scene of yours for the same time; see its --help";
-        println!("{:<24}{about}", "convergence");
+        print_line(format_args!("{:<24}{about}", "convergence"))?;
         return Ok(ExitCode::SUCCESS);
     }
     let Some(experiment) = find(name) else {
         return Err(ExperimentError::Unknown(name.to_owned()).into());
     };
+    if let Some(path) = &args.output {
+        output_file::check(path, &["png"], [])?;
+    }
     let started = Instant::now();
     let report = (experiment.run)(args.quick);
     tracing::info!(
@@ -76,7 +81,7 @@ pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error
         experiment.name,
         started.elapsed().as_secs_f64()
     );
-    print!("{}", report.text);
+    print(&report.text)?;
     if let Some(path) = &args.output {
         write_png(path, &report.plots)?;
     }

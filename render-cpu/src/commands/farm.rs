@@ -1,5 +1,7 @@
 //! `halflight farm`: one image on many machines.
 
+use super::interrupt;
+use super::output_file;
 use super::render_values::{parse_aov, parse_duration};
 use super::scene_args::SceneArgs;
 use crate::farm::FarmError;
@@ -11,12 +13,12 @@ use crate::farm::slurm::{self, EXIT_AGAIN, SlurmOptions};
 use crate::farm::status::{Status, TaskState};
 use crate::farm::task::{TaskOutcome, run_task};
 use crate::film::aov::Aov;
+use crate::processor::set_threads;
+use crate::say::print_line;
 use clap::{Args, Subcommand};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Exit code of `farm status` for a farm that is not done.
@@ -149,20 +151,16 @@ pub fn run(args: &FarmArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Sen
     match &args.command {
         FarmCommand::Plan(args) => {
             let (folder, plan) = args.plan()?;
-            let say = |text: String| {
-                if !quiet {
-                    println!("{text}")
-                }
-            };
+            let say = |text: String| if quiet { Ok(()) } else { print_line(text) };
             say(format!(
                 "{}: {} tasks from 0 on; run `halflight farm task {0} N` for each, then `halflight farm merge {0}`",
                 folder.0.display(),
                 plan.tasks
-            ));
+            ))?;
             Ok(ExitCode::SUCCESS)
         }
         FarmCommand::Slurm(args) => args.run(quiet),
-        FarmCommand::Task(args) => args.run(),
+        FarmCommand::Task(args) => args.run(quiet),
         FarmCommand::Merge(args) => args.run(quiet),
         FarmCommand::Status(args) => args.run(),
         FarmCommand::Resume(args) => args.run(quiet),
@@ -207,6 +205,8 @@ impl PlanArgs {
             sensor: scene.sensor,
             strict: scene.strict,
         };
+        output_file::check(&self.output, &["exr"], [self.scene.scene.as_path()])
+            .map_err(FarmError::Request)?;
         let output = absolute(&self.output)?;
         let plan = Plan::new(
             planned,
@@ -250,24 +250,21 @@ fn submit(script: &Path, now: bool, quiet: bool) -> Result<ExitCode, Box<dyn Err
     if now {
         slurm::submit(script)?;
     } else if !quiet {
-        println!("submit the jobs with: bash {}", script.display());
+        print_line(format_args!(
+            "submit the jobs with: bash {}",
+            script.display()
+        ))?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
 impl TaskArgs {
-    fn run(&self) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    fn run(&self, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         let folder = Folder(absolute(&self.folder)?);
         let plan = folder.plan()?;
-        if self.threads > 0 {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(self.threads)
-                .build_global()?;
-        }
-        let stop = Arc::new(AtomicBool::new(false));
-        let flag = stop.clone();
+        set_threads(Some(self.threads))?;
         // SIGTERM counts as well: schedulers send it before they kill.
-        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+        let stop = interrupt::request(quiet);
         let interval = self.checkpoint_interval;
         Ok(
             match run_task(&folder, &plan, self.task, interval, &stop)? {
@@ -291,7 +288,7 @@ impl MergeArgs {
             _ => {
                 merge_all(&folder, &plan)?;
                 if !quiet {
-                    println!("{}", plan.output.display());
+                    print_line(plan.output.display())?;
                 }
             }
         }
@@ -307,14 +304,14 @@ impl StatusArgs {
         let open = status.open();
         let started = status.having(|t| matches!(t, TaskState::Started(_)));
         let done = plan.tasks as usize - open.len();
-        println!(
+        print_line(format_args!(
             "{}: {done} of {} tasks done, {} started, {:.1} MB, {:.0} s",
             folder.0.display(),
             plan.tasks,
             started.len(),
             status.bytes as f64 / 1e6,
             status.seconds
-        );
+        ))?;
         let lists = [
             ("started", started),
             ("missing", status.having(|t| *t == TaskState::Missing)),
@@ -322,15 +319,15 @@ impl StatusArgs {
         ];
         for (what, tasks) in lists {
             if !tasks.is_empty() {
-                println!("{what}: {}", ranges(&tasks));
+                print_line(format_args!("{what}: {}", ranges(&tasks)))?;
             }
         }
         let image = plan.output.display();
         match (open.is_empty(), status.is_merged) {
-            (true, true) => println!("merged: {image}"),
-            (true, false) => println!("not merged yet: {image}"),
-            (false, _) => println!("`halflight farm resume` has the rest rendered"),
-        }
+            (true, true) => print_line(format_args!("merged: {image}")),
+            (true, false) => print_line(format_args!("not merged yet: {image}")),
+            (false, _) => print_line("`halflight farm resume` has the rest rendered"),
+        }?;
         Ok(if status.is_merged {
             ExitCode::SUCCESS
         } else {
@@ -348,7 +345,10 @@ impl ResumeArgs {
         let status = Status::of(&folder, &plan, true)?;
         if status.is_merged {
             if !quiet {
-                println!("nothing to do: {} is there", plan.output.display());
+                print_line(format_args!(
+                    "nothing to do: {} is there",
+                    plan.output.display()
+                ))?;
             }
             return Ok(ExitCode::SUCCESS);
         }

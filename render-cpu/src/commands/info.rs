@@ -1,11 +1,14 @@
 //! `halflight info`: the contents of a scene, without rendering it.
 
 use super::scene_args::{SceneArgs, build_accel};
+use crate::accel::Accel;
 use crate::render::record::sampler_name;
+use crate::say::print;
 use crate::scene::build::Scene;
 use clap::Args;
 use halflight_kernel::scene::{camera_kind, emitter_kind, lobe_kind};
 use std::error::Error;
+use std::fmt::Write;
 use std::process::ExitCode;
 
 /// Show what a scene holds.
@@ -23,36 +26,47 @@ pub struct InfoArgs {
 pub fn run(args: &InfoArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let scene = args.scene.load()?;
     let accel = build_accel(&scene);
-    print_scene(&scene);
+    let mut text = String::new();
+    // Writing to a string does not fail.
+    let _ = describe(&scene, &accel, &mut text);
+    print(text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn describe(scene: &Scene, accel: &Accel, out: &mut String) -> std::fmt::Result {
+    describe_scene(scene, out)?;
     let trees = accel.statistics();
-    println!(
+    writeln!(
+        out,
         "\nray tracing\n  {} nodes, depth {}, {} primitives, {:.1} MiB, built in {:.3} s",
         trees.nodes,
         trees.depth,
         trees.primitives,
         mebibytes(trees.bytes),
         trees.build_time.as_secs_f64()
-    );
+    )?;
     if trees.skipped > 0 {
-        println!(
+        writeln!(
+            out,
             "  {} primitives without usable coordinates are left out",
             trees.skipped
-        );
+        )?;
     }
-    println!("\nnot supported or not used as written");
+    writeln!(out, "\nnot supported or not used as written")?;
     if scene.warnings.is_empty() {
-        println!("  nothing");
+        writeln!(out, "  nothing")?;
     }
     for warning in &scene.warnings {
-        println!("  {warning}");
+        writeln!(out, "  {warning}")?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
-fn print_scene(scene: &Scene) {
+fn describe_scene(scene: &Scene, out: &mut String) -> std::fmt::Result {
     let tables = &scene.tables;
     let camera = &tables.camera;
-    println!(
+    writeln!(
+        out,
         "camera       {}, {} x {} pixels, crop {} x {} at ({}, {})",
         match camera.kind {
             camera_kind::THIN_LENS => "thin lens",
@@ -65,8 +79,9 @@ fn print_scene(scene: &Scene) {
         camera.crop_size[1],
         camera.crop_offset[0],
         camera.crop_offset[1]
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "integrator   {}, {} samples per pixel, {} sampler{}, seed {}",
         scene.integrator,
         scene.spp,
@@ -76,12 +91,14 @@ fn print_scene(scene: &Scene) {
             name => format!(" in place of \"{name}\""),
         },
         scene.seed
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "bounds       centre ({:.4}, {:.4}, {:.4}), radius {:.4}",
         tables.info.center[0], tables.info.center[1], tables.info.center[2], tables.info.radius
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "geometry     {} shapes, {} triangles, {} vertices, {} analytic, {} groups, {} instances",
         tables.shapes.len(),
         tables.triangles.len(),
@@ -89,31 +106,36 @@ fn print_scene(scene: &Scene) {
         tables.quadrics.len(),
         tables.groups.len() - 1,
         tables.instances.len() - 1
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "materials    {} of {} lobes: {}",
         tables.materials.len(),
         tables.lobes.len(),
         count_names(tables.lobes.iter().map(|lobe| lobe_name(lobe.kind)))
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "textures     {}, {:.1} MiB of texels",
         tables.textures.len(),
         mebibytes(size_of_val(tables.texels.as_slice()))
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "emitters     {}: {}",
         tables.emitters.len(),
         count_names(tables.emitters.iter().map(|e| emitter_name(e.kind)))
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "memory       {:.1} MiB of tables",
         mebibytes(tables.memory_bytes())
-    );
-    println!("\nplugins");
+    )?;
+    writeln!(out, "\nplugins")?;
     for (name, count) in &scene.plugins {
-        println!("  {count:5}  {name}");
+        writeln!(out, "  {count:5}  {name}")?;
     }
+    Ok(())
 }
 
 /// "2 a, 1 b", in order of first occurrence.

@@ -1,13 +1,15 @@
 //! `halflight material`: pictures and diagrams of a material.
 
+use super::output_file;
 use crate::image::png_output::write_png_bytes;
 use crate::material::examples::EXAMPLES;
 use crate::material::gallery::contact_sheet;
 use crate::material::preview::Preview;
 use crate::material::{sheet, source};
+use crate::say::print_line;
 use clap::Args;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Draw a material: a lit ball, its lobes, its albedo and its local roughness.
@@ -41,10 +43,12 @@ pub struct MaterialArgs {
 pub fn run(args: &MaterialArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     if args.list {
         for example in EXAMPLES {
-            println!("{}", example.name);
+            print_line(example.name)?;
         }
         return Ok(ExitCode::SUCCESS);
     }
+    let input = args.material.as_deref().map(Path::new);
+    output_file::check(&args.output, &["png"], input)?;
     let canvas = if let Some(name) = &args.material {
         let source = source::find(name, args.id.as_deref())?;
         let preview = Preview::new(&source, sheet::PICTURE)?;
@@ -58,7 +62,7 @@ pub fn run(args: &MaterialArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error +
     let [width, height] = canvas.size();
     write_png_bytes(&args.output, width, height, canvas.rgb())?;
     if !quiet {
-        println!("{}", args.output.display());
+        print_line(args.output.display())?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,15 +1,17 @@
 //! `halflight merge`: combines images of the same scene that hold different samples.
 
+use super::output_file;
 use crate::atomic_file::WriteError;
 use crate::image::exr_output::{ChannelValues, LayeredImage, write_exr};
-use crate::image::merge::{MergeError, Merger};
+use crate::image::merge::Merger;
+use crate::image::merge_error::MergeError;
 use crate::image::png_output::{Exposure, write_png};
 use crate::image::{ImageError, read_exr};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Merge images of one scene, rendered with different seeds or sample ranges.
+/// Merge images of one scene, rendered with different seeds or sample ranges, or crops of one image.
 #[derive(Args, Clone, Debug)]
 pub struct MergeArgs {
     /// The images: OpenEXR files with a samples layer.
@@ -21,7 +23,7 @@ pub struct MergeArgs {
     /// Write a tone-mapped PNG beside it.
     #[arg(long)]
     pub png: bool,
-    /// Merge images that share samples, or name another scene, all the same.
+    /// Merge images that share samples, or are of other scenes or settings, all the same.
     #[arg(long)]
     pub force: bool,
 }
@@ -35,6 +37,9 @@ pub enum MergeCommandError {
     /// The images do not belong together.
     #[error(transparent)]
     Merge(#[from] MergeError),
+    /// The result could not be written there.
+    #[error("{0}")]
+    Output(String),
     /// The result could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -45,6 +50,12 @@ pub enum MergeCommandError {
 /// # Errors
 /// If an image cannot be read, the images do not belong together, or the result cannot be written.
 pub fn run(args: &MergeArgs) -> Result<ExitCode, MergeCommandError> {
+    let inputs = || args.images.iter().map(PathBuf::as_path);
+    output_file::check(&args.output, &["exr"], inputs()).map_err(MergeCommandError::Output)?;
+    if args.png {
+        let png = args.output.with_extension("png");
+        output_file::check(&png, &[], inputs()).map_err(MergeCommandError::Output)?;
+    }
     let mut merger: Option<Merger> = None;
     for path in &args.images {
         let name = path.display().to_string();

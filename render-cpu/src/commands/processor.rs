@@ -3,11 +3,13 @@
 //! `.cargo/config.toml` sets the third level of x86-64. On an older processor the program would end with a bare "illegal
 //! instruction"; this check ends it with an explanation instead.
 
+use crate::say::note;
+
 /// Ends the program with exit code 1 and one line on standard error if the processor lacks instructions that it was
 /// compiled with. To be called first of all.
 pub fn exit_unless_sufficient() {
     if let Some(message) = insufficiency() {
-        eprintln!("error: {message}");
+        note(format_args!("error: {message}"));
         std::process::exit(1);
     }
 }

@@ -1,14 +1,19 @@
 //! The output files of `halflight render`: their names, and their contents.
 
-use super::render::RenderArgs;
+use super::output_file;
+use super::render_args::RenderArgs;
 use crate::film::Film;
 use crate::image::exr_output::{LayeredImage, write_exr};
 use crate::image::png_output::write_png;
 use crate::render::record::image_metadata;
 use crate::render::{RenderOptions, RunState};
+use crate::say::note;
 use crate::scene::build::Scene;
 use std::error::Error;
 use std::path::{Path, PathBuf};
+
+/// Pixels of images that take some time to write.
+const LARGE: usize = 1 << 22;
 
 impl RenderArgs {
     /// The name of the image file; determined before rendering, so that a bad name is reported at once.
@@ -24,25 +29,18 @@ impl RenderArgs {
                 PathBuf::from(stem).with_extension("exr")
             }
         };
-        if output
-            .extension()
-            .is_none_or(|e| !e.eq_ignore_ascii_case("exr"))
-        {
-            return Err(format!(
-                "{}: the image is an OpenEXR file; its name ends in .exr",
-                output.display()
-            ));
+        let inputs = [
+            Some(&self.scene.scene),
+            self.resume.as_ref(),
+            self.checkpoint.as_ref(),
+        ];
+        let inputs = || inputs.into_iter().flatten().map(PathBuf::as_path);
+        output_file::check(&output, &["exr"], inputs())?;
+        if !self.no_png {
+            output_file::check(&output.with_extension("png"), &[], inputs())?;
         }
-        let folder = match output.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        if !folder.is_dir() {
-            return Err(format!(
-                "{}: there is no folder {}",
-                output.display(),
-                folder.display()
-            ));
+        if let Some(checkpoint) = &self.checkpoint {
+            output_file::check(checkpoint, &[], [self.scene.scene.as_path()])?;
         }
         Ok(output)
     }
@@ -55,7 +53,17 @@ impl RenderArgs {
         film: &Film,
         options: &RenderOptions,
         state: &RunState,
+        quiet: bool,
     ) -> Result<(), Box<dyn Error + Send + Sync>> {
+        let pixels = film.statistics().len();
+        if !quiet && pixels >= LARGE {
+            note(format_args!(
+                "writing {}, {} x {}",
+                output.display(),
+                film.width(),
+                film.height()
+            ));
+        }
         let metadata = image_metadata(&self.scene.scene, scene, film, options, state);
         let image = LayeredImage::from_film(film, scene.tables.camera.film_size, metadata);
         write_exr(output, &image, self.half)?;
@@ -75,13 +83,14 @@ impl RenderArgs {
     }
 
     /// The last line of a run: where the image is and what it took.
-    pub(super) fn report(&self, output: &Path, state: &RunState) {
-        eprintln!(
-            "{}{}: {} samples per pixel in {:.1} s",
+    pub(super) fn report(&self, output: &Path, film: &Film, state: &RunState) {
+        let samples = film.mean_samples();
+        let digits = if samples.fract() == 0.0 { 0 } else { 2 };
+        note(format_args!(
+            "{}{}: {samples:.digits$} samples per pixel in {:.1} s",
             output.display(),
             if self.no_png { "" } else { " and .png" },
-            state.samples,
             state.seconds
-        );
+        ));
     }
 }

@@ -1,18 +1,21 @@
 //! `halflight render --strategy-sheet`: the images of all strategies of bdpt as one picture.
 
-use super::render::RenderArgs;
+use super::interrupt::{self, EXIT_INTERRUPTED};
+use super::output_file;
+use super::render_args::RenderArgs;
 use super::scene_args::build_accel;
 use crate::image::png_output::write_png_bytes;
 use crate::plot::strategy_sheet::draw;
+use crate::processor::set_threads;
 use crate::render::progress::ProgressReport;
 use crate::render::{
     Observer, Outcome, PassError, RunState, StrategyBackend, StrategyPyramid, render_with,
 };
+use crate::say::note;
 use halflight_kernel::transport::integrator_kind;
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::atomic::AtomicBool;
 
 /// Reports the progress of a sheet.
 struct SheetObserver(ProgressReport);
@@ -33,14 +36,9 @@ pub fn run(
     output: &Path,
     quiet: bool,
 ) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
-    args.set_threads()?;
+    set_threads(args.threads)?;
     let name = output.display();
-    if output
-        .extension()
-        .is_none_or(|e| !e.eq_ignore_ascii_case("png"))
-    {
-        return Err(format!("{name}: the sheet is a picture; its name ends in .png").into());
-    }
+    output_file::check(output, &["png"], [args.scene.scene.as_path()])?;
     if args.estimator.sheet_length == 0 {
         return Err("--sheet-length: a path has at least one edge".into());
     }
@@ -71,7 +69,7 @@ pub fn run(
         pyramid,
     };
     let mut observer = SheetObserver(ProgressReport::new(options.goal, state, quiet));
-    let stop = AtomicBool::new(false);
+    let stop = interrupt::request(quiet);
     let outcome: Result<Outcome, PassError> = render_with(
         &mut backend,
         &options,
@@ -81,7 +79,11 @@ pub fn run(
         &mut observer,
     );
     observer.0.finish();
-    outcome?;
+    let outcome = outcome?;
+    if film.total_samples() == 0 {
+        tracing::warn!("interrupted before the first sample; {name} is left as it was");
+        return Ok(ExitCode::from(EXIT_INTERRUPTED));
+    }
     let own = &scene.settings.bidirectional;
     let weights = match (own.unweighted != 0, own.power_heuristic != 0) {
         (true, _) => "unweighted",
@@ -100,12 +102,15 @@ pub fn run(
     let [width, height] = canvas.size();
     write_png_bytes(output, width, height, canvas.rgb())?;
     if !quiet {
-        eprintln!(
+        note(format_args!(
             "{name}: {} strategies, {} samples per pixel in {:.1} s",
             pyramid.count(),
             state.samples,
             state.seconds
-        );
+        ));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(match outcome {
+        Outcome::Finished => ExitCode::SUCCESS,
+        Outcome::Interrupted => ExitCode::from(EXIT_INTERRUPTED),
+    })
 }

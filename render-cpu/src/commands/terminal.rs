@@ -1,7 +1,9 @@
 //! What the commands of both front ends share on a terminal: verbosity, and the report of an error.
 
+use crate::say::{Notes, note};
 use clap::Args;
 use std::error::Error;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 use tracing_subscriber::filter::LevelFilter;
 
@@ -11,7 +13,7 @@ pub struct Verbosity {
     /// Print nothing but errors.
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Print what is done; twice for details.
+    /// Print what is done; twice for every file that is read and every pass.
     #[arg(long, short, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
 }
@@ -31,13 +33,21 @@ pub fn run(
         .with_max_level(level)
         .with_target(false)
         .without_time()
-        .with_writer(std::io::stderr)
+        .with_ansi(wants_colours())
+        .with_writer(|| Notes)
         .init();
     match command() {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error}");
+            note(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }
+}
+
+/// Whether standard error is a terminal whose user has not refused colours (<https://no-color.org>).
+fn wants_colours() -> bool {
+    let is_refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    let is_dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
+    std::io::stderr().is_terminal() && !is_refused && !is_dumb
 }

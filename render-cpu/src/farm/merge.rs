@@ -19,7 +19,7 @@ use crate::film::checkpoint::{Progress, save_checkpoint};
 use crate::image::exr_output::{LayeredImage, write_exr};
 use crate::image::metadata::ImageMetadata;
 use crate::image::png_output::{Exposure, write_png};
-use crate::render::record::{FIRST_SAMPLE, SEED, scene_name};
+use crate::render::record::{FIRST_SAMPLE, SEED, identity, scene_name};
 use std::ops::Range;
 
 /// The films of the level below that a node merges.
@@ -179,6 +179,7 @@ fn add_progress(all: &mut Progress, other: &Progress) {
 
 /// Writes the image of the whole film.
 fn write_image(plan: &Plan, progress: &Progress, film: &Film) -> Result<(), FarmError> {
+    let (scene_digest, settings) = identity(&plan.settings);
     let metadata = ImageMetadata {
         scene: scene_name(&plan.scene.file),
         integrator: plan.integrator.clone(),
@@ -187,6 +188,8 @@ fn write_image(plan: &Plan, progress: &Progress, film: &Film) -> Result<(), Farm
         spp: film.total_samples() as f64 / film.statistics().len() as f64,
         sample_ranges: plan.ranges(),
         render_seconds: progress.render_seconds,
+        scene_digest,
+        settings,
     };
     let image = LayeredImage::from_film(film, plan.full_size, metadata);
     write_exr(&plan.output, &image, false)?;

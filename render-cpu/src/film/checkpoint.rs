@@ -41,6 +41,12 @@ const MAX_HEADER_LENGTH: u32 = 1 << 20;
 /// Pixels or sums that are converted at a time.
 const BATCH: usize = 4096;
 
+/// Name of the setting with the path of the scene.
+const SCENE: &str = "scene";
+
+/// End of the names of settings that nobody reads.
+const DIGEST: &str = " (digest)";
+
 /// What decides the numbers of an image, by name: scene and its hash, size, seed, integrator, sampler, version ...
 pub type Settings = BTreeMap<String, String>;
 
@@ -214,18 +220,26 @@ pub fn load_checkpoint(
     Ok((progress, film))
 }
 
-/// What differs between the settings of a checkpoint and those of a run, in words; empty if nothing does.
+/// What differs between the settings of a checkpoint and those of a run, in words; empty if nothing does. The path of the scene
+/// does not count: its content does. Digests are named where nothing else tells the two apart.
 pub fn settings_differences(checkpoint: &Settings, run: &Settings) -> String {
     let mut differences = Vec::new();
+    let mut digests = Vec::new();
     let names: std::collections::BTreeSet<&String> = checkpoint.keys().chain(run.keys()).collect();
     for name in names {
         match (checkpoint.get(name), run.get(name)) {
-            (Some(a), Some(b)) if a == b => {}
+            (Some(a), Some(b)) if a == b || name == SCENE => {}
+            (Some(_), Some(_)) if name.ends_with(DIGEST) => {
+                digests.push(format!("the {} differs", name.trim_end_matches(DIGEST)));
+            }
             (Some(a), Some(b)) => differences.push(format!("{name} is {a} there and {b} here")),
             (Some(a), None) => differences.push(format!("{name} is {a} there and not set here")),
             (None, Some(b)) => differences.push(format!("{name} is not set there and {b} here")),
             (None, None) => {}
         }
+    }
+    if differences.is_empty() {
+        differences = digests;
     }
     differences.join("; ")
 }

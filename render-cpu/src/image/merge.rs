@@ -6,72 +6,22 @@
 //!
 //! n = sum n_i,  m = sum n_i m_i / n,  M = sum M_i + sum n_i (m_i - m)^2,  V = M / (n (n - 1)).
 //!
-//! All other layers are means over the same samples and are weighted alike. Images must be of the same scene and size,
-//! and must hold different samples: two images of one seed with overlapping sample ranges are not independent, and
-//! their merged image would claim more than it knows.
+//! All other layers are means over the same samples and are weighted alike. Images must be of the same scene and algorithm, by
+//! the digest and the settings that they carry, and must hold different samples: two images of one seed with overlapping sample
+//! ranges are not independent, and their merged image would claim more than it knows. Crops of one image come to their places
+//! in it; they may hold the same samples where they have no pixel in common.
+//!
+//! Exact merging would take exact sums in every image, 120 bytes for each pixel beside the 12 of its radiance; so this is exact
+//! to the rounding of the layers.
 
 use crate::image::ExrImage;
 use crate::image::exr_output::{ChannelValues, LayeredImage};
-use crate::image::metadata::{ImageMetadata, InvalidSampleRange, join_ranges};
-
-/// Why images cannot be merged.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MergeError {
-    /// Another size or crop.
-    #[error("{name}: its {what} is {found}, that of {first} is {expected}")]
-    OtherImage {
-        /// The image.
-        name: String,
-        /// The first image.
-        first: String,
-        /// What differs.
-        what: &'static str,
-        /// What it is.
-        found: String,
-        /// What it should be.
-        expected: String,
-    },
-    /// The images share samples.
-    #[error(
-        "{name} and {other} hold the same samples ({range}): merged they would count twice; render them with other seeds or --samples"
-    )]
-    SharedSamples {
-        /// The image.
-        name: String,
-        /// The image it shares samples with.
-        other: String,
-        /// The range that both hold a part of.
-        range: String,
-    },
-    /// A layer that merging needs is not there.
-    #[error("{name}: merging needs the layer \"{layer}\"")]
-    MissingLayer {
-        /// The image.
-        name: String,
-        /// The layer.
-        layer: String,
-    },
-    /// A value that no samples have.
-    #[error("{name}: {what} at pixel ({x}, {y})")]
-    InvalidPixel {
-        /// The image.
-        name: String,
-        /// What is wrong.
-        what: String,
-        /// Column.
-        x: usize,
-        /// Row.
-        y: usize,
-    },
-    /// Metadata that cannot be read.
-    #[error("{name}: {source}")]
-    Metadata {
-        /// The image.
-        name: String,
-        /// Why.
-        source: InvalidSampleRange,
-    },
-}
+use crate::image::merge_error::MergeError;
+use crate::image::merge_layers::{
+    SAMPLES, VARIANCE, deviations, metadata, sample_counts, to_f64, variance_of, window,
+};
+use crate::image::metadata::{ImageMetadata, join_ranges};
+use crate::image::window::Window;
 
 /// A channel's mean so far, and the sum of squared deviations if the images carry variances.
 struct MergedChannel {
@@ -83,21 +33,16 @@ struct MergedChannel {
 /// Images merged so far.
 pub struct Merger {
     first: String,
-    width: usize,
-    height: usize,
-    origin: [i32; 2],
+    window: Window,
     full_size: [u32; 2],
     metadata: ImageMetadata,
-    /// Name and metadata of every image.
-    images: Vec<(String, ImageMetadata)>,
+    /// Name, metadata and pixels of every image.
+    images: Vec<(String, ImageMetadata, Window)>,
     counts: Vec<f64>,
     channels: Vec<MergedChannel>,
     warnings: Vec<String>,
     force: bool,
 }
-
-const SAMPLES: &str = "samples";
-const VARIANCE: &str = "variance.";
 
 impl Merger {
     /// Starts with one image. `force` merges, with a warning, even what shares samples or names
@@ -107,7 +52,7 @@ impl Merger {
     /// If the image has not what merging needs.
     pub fn new(name: &str, image: &ExrImage, force: bool) -> Result<Self, MergeError> {
         let metadata = metadata(name, image)?;
-        let (width, height) = (image.width as usize, image.height as usize);
+        let width = image.width as usize;
         let counts = sample_counts(name, image)?;
         let mut channels = Vec::new();
         for (channel, values) in &image.channels {
@@ -125,13 +70,12 @@ impl Merger {
                 m2,
             });
         }
+        let window = window(image);
         let mut merger = Self {
             first: name.to_owned(),
-            width,
-            height,
-            origin: image.origin,
+            window,
             full_size: image.display_size,
-            images: vec![(name.to_owned(), metadata.clone())],
+            images: vec![(name.to_owned(), metadata.clone(), window)],
             metadata,
             counts,
             channels,
@@ -148,8 +92,13 @@ impl Merger {
     /// If it is of another scene or size, shares samples with the others, or has not what merging needs.
     pub fn add(&mut self, name: &str, image: &ExrImage) -> Result<(), MergeError> {
         let metadata = metadata(name, image)?;
-        self.check_layout(name, image, &metadata)?;
-        self.check_samples(name, &metadata)?;
+        let window = window(image);
+        self.check_identity(name, image, &metadata)?;
+        self.check_samples(name, &metadata, window)?;
+        let union = self.window.union(&window);
+        let union = union.ok_or_else(|| MergeError::TooLarge {
+            name: name.to_owned(),
+        })?;
         let counts = sample_counts(name, image)?;
 
         // Everything is read before anything is changed.
@@ -167,10 +116,10 @@ impl Merger {
                 others.push(None);
                 continue;
             };
-            let mean = to_f64(name, values, self.width)?;
+            let mean = to_f64(name, values, window.width as usize)?;
             let m2 = image.channel(&variance_of(&channel.name));
             let m2 = m2
-                .map(|v| deviations(name, v, &counts, self.width))
+                .map(|v| deviations(name, v, &counts, window.width as usize))
                 .transpose()?;
             if channel.m2.is_some() && m2.is_none() {
                 dropped.push(variance_of(&channel.name));
@@ -181,6 +130,8 @@ impl Merger {
             self.warnings
                 .push(format!("{name} has no layer \"{layer}\": it is left out"));
         }
+        self.grow(union);
+        let places: Vec<usize> = window.places_in(&union).collect();
         let mut others = others.into_iter();
         self.channels.retain_mut(|channel| {
             let Some(Some((mean, m2))) = others.next() else {
@@ -189,40 +140,38 @@ impl Merger {
             if m2.is_none() {
                 channel.m2 = None;
             }
-            for i in 0..mean.len() {
-                let (na, nb) = (self.counts[i], counts[i]);
+            for (i, &place) in places.iter().enumerate() {
+                let (na, nb) = (self.counts[place], counts[i]);
                 if nb == 0.0 {
                     continue;
                 }
-                let delta = mean[i] - channel.mean[i];
-                channel.mean[i] += delta * (nb / (na + nb));
+                let delta = mean[i] - channel.mean[place];
+                channel.mean[place] += delta * (nb / (na + nb));
                 if let (Some(sum), Some(m2)) = (&mut channel.m2, &m2) {
-                    sum[i] += m2[i] + delta * delta * (na * nb / (na + nb));
+                    sum[place] += m2[i] + delta * delta * (na * nb / (na + nb));
                 }
             }
             true
         });
-        for (sum, count) in self.counts.iter_mut().zip(&counts) {
-            *sum += count;
+        for (&place, count) in places.iter().zip(&counts) {
+            self.counts[place] += count;
         }
-        for (what, ours, theirs) in [
-            (
-                "integrator",
-                &self.metadata.integrator,
-                &metadata.integrator,
-            ),
-            ("software", &self.metadata.software, &metadata.software),
-        ] {
-            if ours != theirs {
-                self.warnings.push(format!(
-                    "{name} was made with {what} \"{theirs}\", {} with \"{ours}\"",
-                    self.first
-                ));
-            }
+        let (ours, theirs) = (&self.metadata.software, &metadata.software);
+        if ours != theirs {
+            self.warnings.push(format!(
+                "{name} was made with software \"{theirs}\", {} with \"{ours}\"",
+                self.first
+            ));
         }
         self.metadata.render_seconds += metadata.render_seconds;
-        self.metadata.sample_ranges.extend(&metadata.sample_ranges);
-        self.images.push((name.to_owned(), metadata));
+        let is_elsewhere = !self.images.iter().any(|(_, _, w)| w.meets(&window));
+        for range in &metadata.sample_ranges {
+            // Crops may hold the same samples of different pixels.
+            if !is_elsewhere || !self.metadata.sample_ranges.contains(range) {
+                self.metadata.sample_ranges.push(*range);
+            }
+        }
+        self.images.push((name.to_owned(), metadata, window));
         self.warn_without_ranges(name);
         Ok(())
     }
@@ -259,56 +208,112 @@ impl Merger {
             ..self.metadata
         };
         LayeredImage {
-            width: self.width as u32,
-            height: self.height as u32,
-            offset: self.origin,
+            width: self.window.width,
+            height: self.window.height,
+            offset: self.window.origin,
             full_size: self.full_size,
             channels,
             metadata,
         }
     }
 
-    fn check_layout(
+    /// Makes room for more pixels.
+    fn grow(&mut self, window: Window) {
+        if window == self.window {
+            return;
+        }
+        let pixels = window.width as usize * window.height as usize;
+        let places: Vec<usize> = self.window.places_in(&window).collect();
+        let moved = |values: &mut Vec<f64>| {
+            let mut larger = vec![0.0; pixels];
+            for (value, &place) in values.iter().zip(&places) {
+                larger[place] = *value;
+            }
+            *values = larger;
+        };
+        moved(&mut self.counts);
+        for channel in &mut self.channels {
+            moved(&mut channel.mean);
+            channel.m2.iter_mut().for_each(moved);
+        }
+        self.window = window;
+    }
+
+    /// That the images are of one scene and algorithm.
+    fn check_identity(
         &mut self,
         name: &str,
         image: &ExrImage,
         metadata: &ImageMetadata,
     ) -> Result<(), MergeError> {
-        let size = |w: usize, h: usize| format!("{w} x {h}");
-        let position = |p: [i32; 2]| format!("({}, {})", p[0], p[1]);
-        let checks = [
-            (
-                "size",
-                size(image.width as usize, image.height as usize),
-                size(self.width, self.height),
-            ),
-            (
-                "crop position",
-                position(image.origin),
-                position(self.origin),
-            ),
-            ("scene", metadata.scene.clone(), self.metadata.scene.clone()),
-        ];
-        for (what, found, expected) in checks {
+        let size = |[w, h]: [u32; 2]| format!("{w} x {h}");
+        let other = |what: &str, found: &str, expected: &str| MergeError::OtherImage {
+            name: name.to_owned(),
+            first: self.first.clone(),
+            what: what.to_owned(),
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        };
+        let (found, expected) = (size(image.display_size), size(self.full_size));
+        if found != expected {
+            return Err(other("size", &found, &expected));
+        }
+        let ours = &self.metadata;
+        let mut differences = Vec::new();
+        for (what, found, expected) in [
+            ("scene", &metadata.scene, &ours.scene),
+            ("integrator", &metadata.integrator, &ours.integrator),
+            ("sampler", &metadata.sampler, &ours.sampler),
+        ] {
             if found != expected {
-                let error = MergeError::OtherImage {
-                    name: name.to_owned(),
-                    first: self.first.clone(),
-                    what,
-                    found,
-                    expected,
-                };
-                if !(self.force && what == "scene") {
-                    return Err(error);
-                }
-                self.warnings.push(error.to_string());
+                differences.push(other(what, found, expected));
             }
         }
+        let both_know = !metadata.scene_digest.is_empty() && !ours.scene_digest.is_empty();
+        if both_know {
+            if metadata.scene_digest != ours.scene_digest {
+                differences.push(MergeError::OtherScene {
+                    name: name.to_owned(),
+                    first: self.first.clone(),
+                    scene: metadata.scene.clone(),
+                });
+            }
+            // What is named above is not named twice.
+            for (what, expected) in &ours.settings {
+                let found = metadata
+                    .settings
+                    .get(what)
+                    .map_or("unknown", String::as_str);
+                if found != expected && differences.is_empty() {
+                    differences.push(other(what, found, expected));
+                }
+            }
+        }
+        let mut differences = differences.into_iter();
+        match differences.next() {
+            Some(error) if !self.force => return Err(error),
+            Some(error) => self.warnings.push(error.to_string()),
+            None if !both_know => self.warnings.push(format!(
+                "{name} and {} do not both say which scene they are of: they are taken for images of the same",
+                self.first
+            )),
+            None => {}
+        }
+        self.warnings
+            .extend(differences.map(|error| error.to_string()));
         Ok(())
     }
 
-    fn check_samples(&mut self, name: &str, metadata: &ImageMetadata) -> Result<(), MergeError> {
-        for (other, their) in &self.images {
+    fn check_samples(
+        &mut self,
+        name: &str,
+        metadata: &ImageMetadata,
+        window: Window,
+    ) -> Result<(), MergeError> {
+        for (other, their, their_window) in &self.images {
+            if !window.meets(their_window) {
+                continue;
+            }
             for range in &metadata.sample_ranges {
                 if their.sample_ranges.iter().any(|r| r.overlaps(range)) {
                     let error = MergeError::SharedSamples {
@@ -331,82 +336,11 @@ impl Merger {
         if self
             .images
             .last()
-            .is_some_and(|(_, metadata)| metadata.sample_ranges.is_empty())
+            .is_some_and(|(_, metadata, _)| metadata.sample_ranges.is_empty())
         {
             self.warnings.push(format!(
                 "{name} does not say which samples it holds: they are taken as new ones"
             ));
         }
-    }
-}
-
-/// Name of the channel with the variance of a channel.
-fn variance_of(channel: &str) -> String {
-    format!("{VARIANCE}{channel}")
-}
-
-fn metadata(name: &str, image: &ExrImage) -> Result<ImageMetadata, MergeError> {
-    let find = |attribute: &str| image.attribute(attribute).map(str::to_owned);
-    ImageMetadata::from_attributes(find).map_err(|source| MergeError::Metadata {
-        name: name.to_owned(),
-        source,
-    })
-}
-
-fn sample_counts(name: &str, image: &ExrImage) -> Result<Vec<f64>, MergeError> {
-    for layer in ["R", "G", "B", SAMPLES] {
-        if image.channel(layer).is_none() {
-            return Err(MergeError::MissingLayer {
-                name: name.to_owned(),
-                layer: layer.to_owned(),
-            });
-        }
-    }
-    let counts = to_f64(
-        name,
-        image.channel(SAMPLES).unwrap_or_default(),
-        image.width as usize,
-    )?;
-    match counts.iter().position(|n| *n < 0.0 || n.fract() != 0.0) {
-        Some(i) => Err(invalid(
-            name,
-            "a number of samples that is not whole",
-            i,
-            image.width as usize,
-        )),
-        None => Ok(counts),
-    }
-}
-
-/// Sums of squared deviations from variances of means.
-fn deviations(
-    name: &str,
-    variance: &[f32],
-    counts: &[f64],
-    width: usize,
-) -> Result<Vec<f64>, MergeError> {
-    let mut m2 = to_f64(name, variance, width)?;
-    if let Some(i) = m2.iter().position(|v| *v < 0.0) {
-        return Err(invalid(name, "a negative variance", i, width));
-    }
-    for (v, n) in m2.iter_mut().zip(counts) {
-        *v *= n * (n - 1.0).max(0.0);
-    }
-    Ok(m2)
-}
-
-fn to_f64(name: &str, values: &[f32], width: usize) -> Result<Vec<f64>, MergeError> {
-    match values.iter().position(|v| !v.is_finite()) {
-        Some(i) => Err(invalid(name, "a value that is not finite", i, width)),
-        None => Ok(values.iter().map(|&v| f64::from(v)).collect()),
-    }
-}
-
-fn invalid(name: &str, what: &str, i: usize, width: usize) -> MergeError {
-    MergeError::InvalidPixel {
-        name: name.to_owned(),
-        what: what.to_owned(),
-        x: i % width,
-        y: i / width,
     }
 }

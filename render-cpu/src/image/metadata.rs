@@ -1,9 +1,10 @@
 //! Metadata of a rendered image: the attributes of its EXR file.
 //!
-//! Attributes are text, named `scene`, `integrator`, `sampler`, `seed`, `spp`, `sampleRanges`, `renderSeconds` and
-//! `software`, so that every EXR tool shows them. `sampleRanges` is the record that makes merging safe: which samples
+//! Attributes are text, named `scene`, `integrator`, `sampler`, `seed`, `spp`, `sampleRanges`, `renderSeconds`, `software`,
+//! `sceneDigest` and `settings` (JSON), so that every EXR tool shows them. The last two tell images that belong together. `sampleRanges` is the record that makes merging safe: which samples
 //! of which seeds the image holds, as in `1:0..64 2:0..64`.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
@@ -86,6 +87,10 @@ pub struct ImageMetadata {
     pub sample_ranges: Vec<SampleRange>,
     /// Seconds spent rendering, all runs together.
     pub render_seconds: f64,
+    /// Digest of the scene's content; empty where it is not known.
+    pub scene_digest: String,
+    /// What else decides the radiance that an image estimates, by name, and the sampler.
+    pub settings: BTreeMap<String, String>,
 }
 
 impl ImageMetadata {
@@ -99,6 +104,13 @@ impl ImageMetadata {
             ("spp", self.spp.to_string()),
             ("renderSeconds", self.render_seconds.to_string()),
         ];
+        if !self.scene_digest.is_empty() {
+            attributes.push(("sceneDigest", self.scene_digest.clone()));
+        }
+        if !self.settings.is_empty() {
+            let json = serde_json::json!(self.settings).to_string();
+            attributes.push(("settings", json));
+        }
         if !self.sample_ranges.is_empty() {
             let join = |items: Vec<String>| items.join(" ");
             let mut seeds: Vec<_> = self.sample_ranges.iter().map(|r| r.seed).collect();
@@ -143,6 +155,8 @@ impl ImageMetadata {
             spp: number("spp"),
             sample_ranges,
             render_seconds: number("renderSeconds"),
+            scene_digest: text("sceneDigest"),
+            settings: serde_json::from_str(&text("settings")).unwrap_or_default(),
         })
     }
 }

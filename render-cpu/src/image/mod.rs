@@ -10,10 +10,13 @@ mod error;
 pub mod exr_output;
 pub mod exr_read;
 pub mod merge;
+pub mod merge_error;
+mod merge_layers;
 pub mod metadata;
 mod pfm;
 pub mod png_output;
 mod radiance;
+pub mod window;
 
 pub use bitmap::{Bitmap, Channel, Texels, load_bitmap, load_channel, read_bitmap};
 pub use error::ImageError;

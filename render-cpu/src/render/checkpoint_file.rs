@@ -56,6 +56,11 @@ impl CheckpointFile {
         save_checkpoint(&self.path, &progress, film)?;
         self.saved = Instant::now();
         self.passes = state.passes;
+        tracing::debug!(
+            "saved {}, {} samples per pixel",
+            self.path.display(),
+            state.samples
+        );
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use super::options::{Goal, RunState};
 use crate::film::Film;
+use crate::say::note;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -74,11 +75,11 @@ impl ProgressReport {
             Display::Lines(last) => {
                 if last.elapsed() >= LINE_INTERVAL {
                     *last = Instant::now();
-                    eprintln!(
+                    note(format_args!(
                         "{:3.0}%  {}",
                         done * 100.0,
                         message(self.goal, self.samples_before, state, film, elapsed)
-                    );
+                    ));
                 }
             }
         }

@@ -6,7 +6,10 @@ use crate::film::aov::{Aov, AovSet};
 use crate::film::checkpoint::Settings;
 use crate::image::metadata::{ImageMetadata, SampleRange};
 use crate::scene::build::Scene;
+use flate2::Crc;
 use halflight_kernel::sampler::sampler_kind;
+use halflight_kernel::scene::NONE;
+use halflight_kernel::transport::integrator_kind;
 use std::path::Path;
 
 /// Name of the settings' entry that tells the shares of an image apart: index of the first sample.
@@ -21,8 +24,13 @@ pub fn run_settings(path: &Path, scene: &Scene, options: &RenderOptions, aovs: A
     let mut set = |name: &str, value: String| settings.insert(name.to_string(), value);
     set("version", env!("CARGO_PKG_VERSION").to_string());
     set("scene", path.display().to_string());
-    set("tables", format!("{:016x}", scene.tables.fingerprint()));
-    set("integrator", format!("{:?}", scene.settings));
+    set(
+        SCENE_CONTENT,
+        format!("{:016x}", scene.tables.fingerprint()),
+    );
+    for (name, value) in integrator_words(scene) {
+        set(name, value);
+    }
     set("sampler", sampler_name(scene.sampler).to_string());
     set(SEED, options.seed.to_string());
     set(FIRST_SAMPLE, options.first_sample.to_string());
@@ -45,6 +53,88 @@ pub fn run_settings(path: &Path, scene: &Scene, options: &RenderOptions, aovs: A
     settings
 }
 
+/// Name of the entry with a digest of the scene's tables.
+const SCENE_CONTENT: &str = "content of the scene (digest)";
+
+/// The algorithm and its parameters by the names that scene files and command lines have for them. What has no name there is
+/// in a digest of all of them.
+fn integrator_words(scene: &Scene) -> Vec<(&'static str, String)> {
+    let settings = &scene.settings;
+    let depth = |n: u32| match n {
+        u32::MAX => "-1".to_string(),
+        n => n.to_string(),
+    };
+    let flag = |n: u32| (n != 0).to_string();
+    let mut words = vec![
+        ("integrator", scene.integrator.clone()),
+        ("max_depth", depth(settings.max_depth)),
+        ("rr_depth", depth(settings.rr_depth)),
+        ("hide_emitters", flag(settings.hide_emitters)),
+        ("strict_normals", flag(settings.strict_normals)),
+    ];
+    match settings.kind {
+        integrator_kind::DIRECT => words.extend([
+            (
+                "emitter_samples",
+                settings.direct.emitter_samples.to_string(),
+            ),
+            ("bsdf_samples", settings.direct.bsdf_samples.to_string()),
+        ]),
+        integrator_kind::AMBIENT_OCCLUSION => words.extend([
+            ("shading_samples", settings.occlusion.samples.to_string()),
+            ("ray_length", settings.occlusion.distance.to_string()),
+        ]),
+        integrator_kind::BIDIRECTIONAL | integrator_kind::LIGHT_TRACING => {
+            let own = &settings.bidirectional;
+            let any = |n: u32| match n {
+                NONE => "*".to_string(),
+                n => n.to_string(),
+            };
+            let strategies = format!("{},{}", any(own.only_s), any(own.only_t));
+            words.extend([
+                ("light_image", flag(own.light_image)),
+                ("sample_direct", flag(own.sample_direct)),
+                ("--heuristic power", flag(own.power_heuristic)),
+                ("--strategies", strategies),
+                ("--unweighted", flag(own.unweighted)),
+            ]);
+        }
+        _ => {}
+    }
+    let mut digest = Crc::new();
+    digest.update(bytemuck::bytes_of(settings));
+    words.push((
+        "parameters of the integrator (digest)",
+        format!("{:08x}", digest.sum()),
+    ));
+    words
+}
+
+/// Of the settings of a run, what tells images of one scene by one algorithm from others, whatever samples and pixels they
+/// hold: a digest of the scene, and the rest by name.
+pub fn identity(settings: &Settings) -> (String, Settings) {
+    let of_the_run = [
+        SCENE_CONTENT,
+        "version",
+        "scene",
+        SEED,
+        FIRST_SAMPLE,
+        "adaptive",
+        "size",
+        "crop",
+        "layers",
+    ];
+    let rest = settings
+        .iter()
+        .filter(|(name, _)| !of_the_run.contains(&name.as_str()));
+    let digest = settings.get(SCENE_CONTENT).cloned();
+    (
+        digest.unwrap_or_default(),
+        rest.map(|(name, value)| (name.clone(), value.clone()))
+            .collect(),
+    )
+}
+
 /// The metadata of a run's image.
 pub fn image_metadata(
     path: &Path,
@@ -53,6 +143,7 @@ pub fn image_metadata(
     options: &RenderOptions,
     state: &RunState,
 ) -> ImageMetadata {
+    let (scene_digest, settings) = identity(&run_settings(path, scene, options, film.aovs()));
     let most = film.statistics().iter().map(|p| p.count).max().unwrap_or(0);
     ImageMetadata {
         scene: scene_name(path),
@@ -66,6 +157,8 @@ pub fn image_metadata(
             to: options.first_sample + most,
         }],
         render_seconds: state.seconds,
+        scene_digest,
+        settings,
     }
 }
 

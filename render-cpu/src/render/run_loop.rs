@@ -133,6 +133,7 @@ pub fn render_with(
         }
         state.seconds = seconds_before + start.elapsed().as_secs_f64();
         pass?;
+        tracing::debug!("pass {}: {taken} samples in {seconds:.3} s", state.passes);
         observer.after_pass(state, film)?;
     }
 }

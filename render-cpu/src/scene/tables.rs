@@ -105,7 +105,8 @@ impl SceneTables {
             + bytes(&self.emitters)
     }
 
-    /// A number that differs for different scenes: FNV-1a over the words of all tables. A checkpoint keeps it.
+    /// A number that differs for different scenes: FNV-1a over the words of all tables. Which part of the film is rendered
+    /// makes no difference. Checkpoints and images keep it.
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Fingerprint(0xcbf2_9ce4_8422_2325);
         hash.add(&self.positions);
@@ -123,7 +124,11 @@ impl SceneTables {
         hash.add(&self.texels);
         hash.add(&self.data);
         hash.add(&self.emitters);
-        hash.add(&[self.camera]);
+        hash.add(&[Camera {
+            crop_offset: [0, 0],
+            crop_size: self.camera.film_size,
+            ..self.camera
+        }]);
         hash.add(&[self.info]);
         hash.0
     }

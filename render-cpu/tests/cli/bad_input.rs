@@ -64,14 +64,6 @@ fn scene_files() {
             &["width"],
         ),
         (
-            "a transform that flattens a sphere",
-            SCENE.replace(
-                "<bsdf type=\"dielectric\"/>",
-                "<transform name=\"to_world\"><scale x=\"0\" y=\"1\" z=\"1\"/></transform>",
-            ),
-            &["to_world", "singular"],
-        ),
-        (
             "a negative radius",
             SCENE.replace("value=\"0.7\"", "value=\"-0.7\""),
             &["radius"],
@@ -168,7 +160,7 @@ fn requests() {
         &["--sensor", "3"],
         &["-D", "unheard=1"],
         &["-o", "folder/that/is/not/there.exr"],
-        &["-o", "picture.png"],
+        &["-o", "picture.gif"],
     ] {
         let mut all = vec!["render", "scene.xml"];
         if !arguments.contains(&"-o") {
@@ -201,4 +193,24 @@ fn unknown_plugins_warn_or_stop() {
             "{message}"
         );
     }
+}
+
+#[test]
+fn a_flattened_sphere_is_left_out_or_stops() {
+    let place = Place::with_scene();
+    let flat = SCENE.replace(
+        "<bsdf type=\"dielectric\"/>",
+        "<transform name=\"to_world\"><scale x=\"0\" y=\"1\" z=\"1\"/></transform>",
+    );
+    let error = rejected(&place, &flat, &["--strict"]);
+    assert!(
+        error.contains("bad.xml:14") && error.contains("flattens"),
+        "{error}"
+    );
+    let output = place.run(&["render", "bad.xml", "-o", "lenient.exr"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        output.status.success() && message.contains("the shape is left out"),
+        "{message}"
+    );
 }

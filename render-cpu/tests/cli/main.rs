@@ -2,8 +2,11 @@
 
 mod bad_input;
 mod comparing;
+mod going_on;
 mod interruption;
+mod lost_lines;
 mod materials;
+mod outputs;
 mod rendering;
 
 use std::path::{Path, PathBuf};

@@ -143,7 +143,12 @@ fn another_scene_is_refused() {
     let error =
         run_task(&folder, &plan, 0, Duration::from_secs(30), &never).expect_err("another scene");
     assert!(matches!(error, FarmError::OtherScene { .. }), "{error}");
-    assert!(error.to_string().contains("tables"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("the content of the scene differs"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -1,0 +1,94 @@
+//! The arguments of `halflight render`.
+
+use super::estimator_args::EstimatorArgs;
+use super::render_values::{parse_aov, parse_duration, parse_exposure, parse_range};
+use super::scene_args::SceneArgs;
+use crate::film::aov::{Aov, AovSet};
+use crate::image::png_output::Exposure;
+use crate::render::{Goal, RenderOptions};
+use crate::scene::build::Scene;
+use clap::Args;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Render a scene.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The algorithm's own.
+    #[command(flatten)]
+    pub estimator: EstimatorArgs,
+    /// Image to write; a PNG of the same name goes beside it. Default: the scene's name with .exr, in the working
+    /// directory.
+    #[arg(help_heading = "Image", short, long, value_name = "OUT.exr")]
+    pub output: Option<PathBuf>,
+    /// Samples per pixel. Default: what the scene asks for.
+    #[arg(help_heading = "Samples", long, value_name = "N", conflicts_with_all = ["time", "samples"], value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Time to render for, as in 90s, 10m or 1h30m.
+    #[arg(help_heading = "Samples", long, value_name = "TIME", value_parser = parse_duration)]
+    pub time: Option<Duration>,
+    /// Samples FROM (included) to TO (excluded) of every pixel, so that several machines share one image; see merge.
+    #[arg(help_heading = "Samples", long, value_name = "FROM..TO", value_parser = parse_range, conflicts_with_all = ["time", "adaptive"])]
+    pub samples: Option<(u32, u32)>,
+    /// Seed of the random numbers. Default: the scene's, or 0.
+    #[arg(help_heading = "Samples", long, value_name = "N")]
+    pub seed: Option<u32>,
+    /// Number of threads. Default: one per processor. The image does not depend on it.
+    #[arg(help_heading = "Machine", long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Spend samples where the error is.
+    #[arg(help_heading = "Samples", long)]
+    pub adaptive: bool,
+    /// Layers to write beside the image: albedo, normal, depth, position, uv, variance, samples.
+    #[arg(help_heading = "Image", long, value_name = "LIST", value_delimiter = ',', value_parser = parse_aov)]
+    pub aov: Vec<Aov>,
+    /// Save the state of the run here now and then, and when it ends; if it is there already, go on from it.
+    #[arg(help_heading = "Going on later", long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Time between two checkpoints.
+    #[arg(help_heading = "Going on later", long, value_name = "TIME", default_value = "30s", value_parser = parse_duration)]
+    pub checkpoint_interval: Duration,
+    /// Go on from a checkpoint, which must be there; it is also saved there, unless --checkpoint names another file.
+    #[arg(help_heading = "Going on later", long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
+    /// Write a tone-mapped PNG beside the EXR (the default).
+    #[arg(help_heading = "Image", long, overrides_with = "no_png")]
+    pub png: bool,
+    /// Write no PNG.
+    #[arg(help_heading = "Image", long)]
+    pub no_png: bool,
+    /// Exposure of the PNG in stops, or "auto".
+    #[arg(help_heading = "Image", long, value_name = "EV", default_value = "0", value_parser = parse_exposure, allow_hyphen_values = true)]
+    pub exposure: Exposure,
+    /// Write colours as 16-bit floats.
+    #[arg(help_heading = "Image", long)]
+    pub half: bool,
+}
+
+impl RenderArgs {
+    /// The layers of the image: those that are asked for, here or in the scene, and the number of samples.
+    pub(super) fn layers(&self, scene: &Scene) -> AovSet {
+        let asked = scene.layers.iter().chain(self.aov.iter().copied());
+        asked.fold(AovSet::NONE.with(Aov::Samples), AovSet::with)
+    }
+
+    /// What the run shall do.
+    pub(super) fn options(&self, scene: &Scene) -> RenderOptions {
+        let (first_sample, count) = match self.samples {
+            Some((from, to)) => (from, to - from),
+            None => (0, self.spp.unwrap_or(scene.spp)),
+        };
+        RenderOptions {
+            goal: match self.time {
+                Some(time) => Goal::Time(time),
+                None => Goal::Samples(count),
+            },
+            seed: self.seed.unwrap_or(scene.seed),
+            first_sample,
+            adaptive: self.adaptive,
+        }
+    }
+}

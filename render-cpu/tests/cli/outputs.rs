@@ -1,0 +1,150 @@
+//! Where files go is looked at before anything is rendered.
+
+use super::Place;
+
+/// The error line of a command that renders nothing.
+fn refused(place: &Place, arguments: &[&str]) -> String {
+    let before = place.files();
+    let output = place.run(arguments);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {text}");
+    assert_eq!(text.matches("error: ").count(), 1, "{text}");
+    assert!(!text.contains("spp"), "it rendered: {text}");
+    assert_eq!(place.files(), before, "{arguments:?}");
+    text
+}
+
+#[test]
+fn what_cannot_be_written_costs_nothing() {
+    let place = Place::with_scene();
+    place.succeed(&["render", "scene.xml", "-o", "a.exr", "--no-png"]);
+    std::fs::create_dir(place.path("folder.exr")).expect("a folder");
+    place.write("old.exr", "kept");
+    let mut mode = std::fs::metadata(place.path("old.exr"))
+        .expect("a file")
+        .permissions();
+    mode.set_readonly(true);
+    std::fs::set_permissions(place.path("old.exr"), mode).expect("its mode");
+    let long = ["--spp", "100000", "--size", "2000x2000"];
+    for (arguments, part) in [
+        (
+            vec!["render", "scene.xml", "-o", "no/where.exr"],
+            "there is no folder",
+        ),
+        (
+            vec!["render", "scene.xml", "-o", "folder.exr"],
+            "no regular file",
+        ),
+        (vec!["render", "scene.xml", "-o", "old.exr"], "read-only"),
+        (vec!["render", "scene.xml", "-o", "out.gif"], "ends in .exr"),
+        (
+            vec!["render", "scene.xml", "-o", "x.exr", "--checkpoint", "no/c"],
+            "there is no folder",
+        ),
+        (
+            vec![
+                "render",
+                "scene.xml",
+                "-o",
+                "x.exr",
+                "--checkpoint",
+                "scene.xml",
+            ],
+            "it would replace scene.xml",
+        ),
+    ] {
+        let text = refused(&place, &[&arguments[..], &long].concat());
+        assert!(text.contains(part), "{arguments:?}: {text}");
+    }
+    for (arguments, part) in [
+        (vec!["material", "Au", "-o", "sheet.exr"], "ends in .png"),
+        (
+            vec!["material", "scene.xml", "-o", "scene.xml"],
+            "ends in .png",
+        ),
+        (
+            vec!["compare", "a.exr", "a.exr", "--heatmap", "map.jpg"],
+            "ends in .png",
+        ),
+        (vec!["merge", "a.exr", "-o", "m.png"], "ends in .exr"),
+        (
+            vec!["merge", "a.exr", "-o", "a.exr"],
+            "it would replace a.exr",
+        ),
+        (
+            vec!["experiment", "bounds", "-o", "no/where.png"],
+            "there is no folder",
+        ),
+        (
+            vec!["farm", "plan", "scene.xml", "-o", "f.png", "--tasks", "2"],
+            "ends in .exr",
+        ),
+    ] {
+        let text = refused(&place, &arguments);
+        assert!(text.contains(part), "{arguments:?}: {text}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed() {
+    use std::os::unix::fs::symlink;
+    let place = Place::with_scene();
+    place.succeed(&["render", "scene.xml", "-o", "a.exr", "--no-png"]);
+    symlink("a.exr", place.path("link.exr")).expect("a link");
+    let text = refused(&place, &["merge", "a.exr", "-o", "link.exr"]);
+    assert!(text.contains("it would replace a.exr"), "{text}");
+    // To a file that is not there yet.
+    std::fs::create_dir(place.path("images")).expect("a folder");
+    symlink("images/new.exr", place.path("later.exr")).expect("a link");
+    place.succeed(&["render", "scene.xml", "-o", "later.exr", "--no-png"]);
+    assert!(place.path("images/new.exr").is_file());
+    assert!(place.path("later.exr").is_symlink());
+    symlink("nowhere/new.exr", place.path("lost.exr")).expect("a link");
+    let text = refused(&place, &["render", "scene.xml", "-o", "lost.exr"]);
+    assert!(text.contains("there is no folder nowhere"), "{text}");
+}
+
+#[test]
+fn what_a_killed_run_left_is_removed_by_the_next() {
+    let place = Place::with_scene();
+    place.write(".out.exr.aB3dE6.partial", "half of an image");
+    place.write(".other.exr.aB3dE6.partial", "half of another");
+    // One that somebody writes at the moment.
+    place.write(".out.exr.Xy1234.partial", "under way");
+    let under_way = std::fs::File::open(place.path(".out.exr.Xy1234.partial")).expect("a file");
+    under_way.lock().expect("a lock");
+    place.succeed(&["render", "scene.xml", "-o", "out.exr", "--no-png"]);
+    assert_eq!(
+        place.files(),
+        [
+            ".other.exr.aB3dE6.partial",
+            ".out.exr.Xy1234.partial",
+            "out.exr",
+            "scene.xml"
+        ]
+    );
+}
+
+#[test]
+fn an_absurd_number_of_threads_is_refused() {
+    let place = Place::with_scene();
+    for command in [
+        &["render", "scene.xml", "-o", "x.exr", "--threads", "1000000"][..],
+        &[
+            "experiment",
+            "convergence",
+            "scene.xml",
+            "--integrators",
+            "path",
+            "--threads",
+            "1000000",
+        ],
+    ] {
+        let text = refused(&place, command);
+        assert!(
+            text.contains("1000000 threads are more than this machine"),
+            "{text}"
+        );
+    }
+}

@@ -67,10 +67,10 @@ fn integrator_words(scene: &Scene) -> Vec<(&'static str, String)> {
     let flag = |n: u32| (n != 0).to_string();
     let mut words = vec![
         ("integrator", scene.integrator.clone()),
-        ("max_depth", depth(settings.max_depth)),
-        ("rr_depth", depth(settings.rr_depth)),
-        ("hide_emitters", flag(settings.hide_emitters)),
-        ("strict_normals", flag(settings.strict_normals)),
+        ("max_depth", depth(settings.rules.max_depth)),
+        ("rr_depth", depth(settings.rules.rr_depth)),
+        ("hide_emitters", flag(settings.rules.hide_emitters)),
+        ("strict_normals", flag(settings.rules.strict_normals)),
     ];
     match settings.kind {
         integrator_kind::DIRECT => words.extend([

@@ -8,7 +8,7 @@ use halflight::experiment::convergence::errors::{
 use halflight::experiment::convergence::race::Budget;
 use halflight::experiment::convergence::report::{Subject, json, number, plots, slope, table};
 use halflight::experiment::convergence::sheet::{Column, draw, telling_windows};
-use halflight::experiment::convergence::{INTEGRATORS, Outcome, Point, find, run};
+use halflight::experiment::convergence::{INTEGRATORS, Outcome, Point, Setup, find, run};
 use halflight::image::ExrImage;
 use halflight::plot::picture::Picture;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
@@ -45,16 +45,13 @@ fn compare(names: &[&str], budget: Budget, reference: Option<&Reference>) -> Vec
         .map(|name| (find(name).unwrap(), scene(name).settings))
         .collect();
     let accel = Accel::build(first.tables.view(), &first.tables.groups);
-    run(
-        &mut first,
-        &accel,
-        &integrators,
+    let setup = Setup {
+        integrators: &integrators,
         budget,
-        3,
+        seed: 3,
         reference,
-        |_| (),
-    )
-    .unwrap()
+    };
+    run(&mut first, &accel, &setup, |_| ()).unwrap()
 }
 
 fn grey(values: &[f64]) -> RgbImage {

@@ -5,11 +5,14 @@
 
 #![cfg(unix)]
 
+#[path = "common/room.rs"]
+mod room;
 #[path = "common/skip.rs"]
 mod skip;
 
 use halflight::farm::folder::Folder;
 use halflight::farm::record::Record;
+use room::room;
 use std::fs;
 use std::io::Read;
 use std::net::TcpListener;
@@ -19,27 +22,13 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// The scene: some seconds of work for a task, in pieces that end often.
-const SCENE: &str = r#"<scene version="3.0.0">
-    <integrator type="path"><integer name="max_depth" value="6"/></integrator>
-    <sensor type="perspective">
-        <float name="fov" value="45"/>
-        <transform name="to_world"><lookat origin="0, 1.5, 5" target="0, 0.8, 0" up="0, 1, 0"/></transform>
-        <film type="hdrfilm"><integer name="width" value="96"/><integer name="height" value="64"/></film>
-    </sensor>
-    <shape type="rectangle">
-        <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
-        <bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.4, 0.3, 0.2"/></bsdf>
-    </shape>
-    <shape type="sphere">
-        <point name="center" x="0" y="0.8" z="0"/><float name="radius" value="0.7"/>
-        <bsdf type="dielectric"/>
-    </shape>
-    <shape type="rectangle">
-        <transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
-        <emitter type="area"><rgb name="radiance" value="9, 8, 7"/></emitter>
-    </shape>
-</scene>
-"#;
+const SCENE: &str = room!(
+    settings: r#"<integrator type="path"><integer name="max_depth" value="6"/></integrator>"#,
+    sensor: "",
+    width: "96",
+    height: "64",
+    ball: "dielectric"
+);
 
 const SPP: &str = "3200";
 

@@ -89,6 +89,15 @@ impl<I: NoUninit, O: Pod> Probe<I, O> {
     }
 }
 
+/// An entry point of a module.
+#[derive(Clone, Copy)]
+pub struct EntryPoint<'a> {
+    /// The words of the module.
+    pub module: &'a [u32],
+    /// The name of the entry point.
+    pub name: &'a CStr,
+}
+
 /// Runs `groups` workgroups of any entry point whose buffers are `tables` and, after them, one of `count` results, and
 /// whose push constants are `constants`.
 ///
@@ -96,8 +105,7 @@ impl<I: NoUninit, O: Pod> Probe<I, O> {
 /// If the device has no room or fails.
 pub fn run_once<O: Pod + AnyBitPattern>(
     device: &Arc<Device>,
-    module: &[u32],
-    entry: &CStr,
+    entry: EntryPoint<'_>,
     tables: &[&[u8]],
     constants: &impl NoUninit,
     groups: u32,
@@ -112,7 +120,12 @@ pub fn run_once<O: Pod + AnyBitPattern>(
     results.write(&vec![0u8; count * size_of::<O>()]);
     let mut bound: Vec<&Buffer> = buffers.iter().collect();
     bound.push(&results);
-    let pipeline = device.create_pipeline(module, entry, &bound, size_of_val(constants) as u32)?;
+    let pipeline = device.create_pipeline(
+        entry.module,
+        entry.name,
+        &bound,
+        size_of_val(constants) as u32,
+    )?;
     pipeline.dispatch("a shader", constants, groups, TIME_LIMIT)?;
     let mut out = vec![O::zeroed(); count];
     results.read(&mut out);

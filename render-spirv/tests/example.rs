@@ -8,7 +8,7 @@ use halflight_kernel::bsdf::{Lobe, rough_conductor};
 use halflight_kernel::regularize::bounds;
 use halflight_kernel::scene::{distribution, lobe_kind};
 use halflight_spirv::module::{MODULES, words_of};
-use halflight_spirv::probe_runner::run_once;
+use halflight_spirv::probe_runner::{EntryPoint, run_once};
 use std::path::Path;
 
 #[test]
@@ -29,8 +29,10 @@ fn the_example_shader_gives_the_kernels_values() {
     }
     let values: Vec<[f32; 4]> = run_once(
         &device,
-        &words,
-        c"main_cs",
+        EntryPoint {
+            module: &words,
+            name: c"main_cs",
+        },
         &[bytemuck::cast_slice(&pairs)],
         &(),
         10,

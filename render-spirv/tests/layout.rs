@@ -5,7 +5,7 @@ mod common;
 use common::device;
 use halflight_spirv::module::{self, MODULES};
 use halflight_spirv::probe::layout::{PATTERN, host};
-use halflight_spirv::probe_runner::run_once;
+use halflight_spirv::probe_runner::{EntryPoint, run_once};
 use std::ffi::CStr;
 use std::path::Path;
 
@@ -30,8 +30,11 @@ fn compare(entry: &CStr, records: &[Fields], sizes: &[usize]) {
         .collect();
     let tables: Vec<&[u8]> = tables.iter().map(Vec::as_slice).collect();
     let fields: Fields = records.iter().flatten().copied().collect();
-    let found: Vec<u32> =
-        run_once(&device, &words, entry, &tables, &(), 1, fields.len()).expect("a run");
+    let entry = EntryPoint {
+        module: &words,
+        name: entry,
+    };
+    let found: Vec<u32> = run_once(&device, entry, &tables, &(), 1, fields.len()).expect("a run");
     for ((record, field, word), found) in fields.iter().zip(found) {
         assert_eq!(
             found.wrapping_sub(PATTERN),

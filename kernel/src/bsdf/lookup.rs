@@ -54,20 +54,18 @@ pub(super) fn weight(tables: &Tables<'_>, record: &LobeRecord, point: &SurfacePo
     product
 }
 
-/// Makes `lobe` that of the record, with the parameters that its kind reads.
+/// Sets `lobe` to the record's lobe, with the parameters that its kind has; its weight is left zero.
 pub(crate) fn fill_lobe(
     lobe: &mut Lobe,
     tables: &Tables<'_>,
     record: &LobeRecord,
     point: &SurfacePoint,
     wi: Vec3,
-    weight: f32,
     mode: u32,
 ) {
     *lobe = Lobe::NONE;
     lobe.kind = record.kind;
     lobe.flags = record.flags;
-    lobe.weight = weight;
     lobe.mode = mode;
     if record.kind == lobe_kind::NULL {
         return;

@@ -92,7 +92,8 @@ impl Bsdf {
         let weight = weight(tables, record, point);
         let i = self.slot(self.count as usize);
         if weight > 0.0 && i < MAX_LOBES {
-            fill_lobe(&mut self.lobes[i], tables, record, point, wi, weight, mode);
+            fill_lobe(&mut self.lobes[i], tables, record, point, wi, mode);
+            self.lobes[i].weight = weight;
             self.count += 1;
         }
     }

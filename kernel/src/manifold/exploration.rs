@@ -47,6 +47,12 @@ pub fn explore<T: Traverse, const N: usize>(
     let mut goal = start[last].facing(start[last - 1].position);
     goal.geometric_normal = goal.tangent_u.cross(goal.tangent_v);
     let tolerance = options.position_tolerance * options.scene_scale;
+    let chain = Chain {
+        start,
+        len,
+        target,
+        form: options.form,
+    };
     // The first guess is the old x_1.
     let mut guess = start[1].position;
     let mut error = f32::MAX;
@@ -69,15 +75,7 @@ pub fn explore<T: Traverse, const N: usize>(
             return out;
         }
         out.iterations += 1;
-        let trial = retrace(
-            view,
-            start,
-            len,
-            target,
-            options.form,
-            guess + step * beta,
-            &goal,
-        );
+        let trial = chain.retrace(view, guess + step * beta, &goal);
         let mut is_nearer = false;
         if trial.valid {
             let miss = goal.position - trial.vertices[last].position;
@@ -108,71 +106,80 @@ pub fn explore<T: Traverse, const N: usize>(
     }
 }
 
-/// Traces the chain from x_0 towards `first`, scattering at the microfacets `target`, to the tangent plane of `goal`.
-fn retrace<T: Traverse, const N: usize>(
-    view: &SceneView<'_, T>,
-    old: &[ChainVertex; N],
+/// A chain whose vertices are to move until it has other half vectors.
+struct Chain<'a, const N: usize> {
+    start: &'a [ChainVertex; N],
     len: usize,
-    target: &[Vec2; N],
+    /// The half vectors, in the chart `form`.
+    target: &'a [Vec2; N],
     form: u32,
-    first: Vec3,
-    goal: &ChainVertex,
-) -> Projection<N> {
-    let mut out = Projection {
-        vertices: *old,
-        valid: false,
-    };
-    if len < 3 || len > N {
-        return out;
-    }
-    let last = len - 1;
-    let mut ray = ray_towards(&old[0], first);
-    for i in 1..last {
-        let landing = land(view, &ray, &old[i]);
-        if !landing.valid {
+}
+
+impl<const N: usize> Chain<'_, N> {
+    /// Traces the chain from x_0 towards `first`, scattering at the target microfacets, to the tangent plane of `goal`.
+    fn retrace<T: Traverse>(
+        &self,
+        view: &SceneView<'_, T>,
+        first: Vec3,
+        goal: &ChainVertex,
+    ) -> Projection<N> {
+        let (old, len, target) = (self.start, self.len, self.target);
+        let mut out = Projection {
+            vertices: *old,
+            valid: false,
+        };
+        if len < 3 || len > N {
             return out;
         }
-        let x = landing.vertex;
-        out.vertices[i] = x;
-        let wi = -ray.direction;
-        let frame = x.frame();
-        let m = if form == half_vector_form::SLOPE {
-            half_vector_of_slope(&frame, target[i])
-        } else {
-            half_vector_of_projected(&frame, target[i])
-        };
-        let scattered = if x.kind == vertex_kind::REFLECTION {
-            reflect(wi, m)
-        } else if x.kind == vertex_kind::REFRACTION {
-            refract(wi, m, x.eta)
-        } else {
-            super::half_vector::Outgoing {
-                wo: -wi,
-                valid: true,
+        let last = len - 1;
+        let mut ray = ray_towards(&old[0], first);
+        for i in 1..last {
+            let landing = land(view, &ray, &old[i]);
+            if !landing.valid {
+                return out;
             }
-        };
-        if !scattered.valid {
+            let x = landing.vertex;
+            out.vertices[i] = x;
+            let wi = -ray.direction;
+            let frame = x.frame();
+            let m = if self.form == half_vector_form::SLOPE {
+                half_vector_of_slope(&frame, target[i])
+            } else {
+                half_vector_of_projected(&frame, target[i])
+            };
+            let scattered = if x.kind == vertex_kind::REFLECTION {
+                reflect(wi, m)
+            } else if x.kind == vertex_kind::REFRACTION {
+                refract(wi, m, x.eta)
+            } else {
+                super::half_vector::Outgoing {
+                    wo: -wi,
+                    valid: true,
+                }
+            };
+            if !scattered.valid {
+                return out;
+            }
+            let origin = offset_by(
+                x.position,
+                x.geometric_normal,
+                scattered.wo,
+                x.position_error,
+            );
+            ray = Ray::new(origin, scattered.wo);
+        }
+        let from = out.vertices[last - 1].position;
+        let normal = goal.geometric_normal;
+        let cosine = ray.direction.dot(normal);
+        let t = (goal.position - from).dot(normal) / cosine;
+        if !(abs(cosine) > 1e-6) || !(t > 0.0) || !(t < 1e15) {
             return out;
         }
-        let origin = offset_by(
-            x.position,
-            x.geometric_normal,
-            scattered.wo,
-            x.position_error,
-        );
-        ray = Ray::new(origin, scattered.wo);
+        let mut end = *goal;
+        end.position = from + ray.direction * t;
+        out.vertices[last] = end;
+        let first_edge = Edge::new(out.vertices[0].position, out.vertices[1].position);
+        out.valid = first_edge.inverse_length > 0.0 && sides_agree(old, &out.vertices, len);
+        out
     }
-    let from = out.vertices[last - 1].position;
-    let normal = goal.geometric_normal;
-    let cosine = ray.direction.dot(normal);
-    let t = (goal.position - from).dot(normal) / cosine;
-    if !(abs(cosine) > 1e-6) || !(t > 0.0) || !(t < 1e15) {
-        return out;
-    }
-    let mut end = *goal;
-    end.position = from + ray.direction * t;
-    out.vertices[last] = end;
-    let first_edge = Edge::new(out.vertices[0].position, out.vertices[1].position);
-    out.valid = first_edge.inverse_length > 0.0 && sides_agree(old, &out.vertices, len);
-    out
 }

@@ -199,7 +199,7 @@ impl Scene {
             kind,
             shape,
         });
-        self.add_shape(quadric, 1, flags, NONE, NONE, radiance);
+        self.add_shape(quadric, 1, flags, NONE, radiance);
     }
 
     /// Adds an emitting mesh; uvs and normals are those of the vertices, or none.
@@ -230,27 +230,18 @@ impl Scene {
             first_triangle,
             triangles.len() as u32,
             flags,
-            NONE,
             uv_offset,
             radiance,
         );
     }
 
-    fn add_shape(
-        &mut self,
-        first: u32,
-        count: u32,
-        flags: u32,
-        normals: u32,
-        uvs: u32,
-        radiance: RgbParameter,
-    ) {
+    fn add_shape(&mut self, first: u32, count: u32, flags: u32, uvs: u32, radiance: RgbParameter) {
         let shape = self.shapes.len() as u32;
         self.shapes.push(Shape {
             material: 0,
             emitter: self.emitters.len() as u32,
             flags,
-            normal_offset: normals,
+            normal_offset: NONE,
             uv_offset: uvs,
             first_vertex: 0,
             first_primitive: first,

@@ -7,7 +7,7 @@ use crate::experiment::convergence::errors::Reference;
 use crate::experiment::convergence::race::Budget;
 use crate::experiment::convergence::report::{Subject, json, number, plots, table};
 use crate::experiment::convergence::sheet::{Column, draw, telling_windows};
-use crate::experiment::convergence::{Outcome, find, run as compare};
+use crate::experiment::convergence::{Outcome, Setup, find, run as compare};
 use crate::image::png_output::{Exposure, exposure_scale, tone_map, write_png_bytes};
 use crate::image::read_exr;
 use crate::plot::picture::{Picture, Window};
@@ -129,19 +129,17 @@ pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Erro
         subject = subject.with_reference(name, reference);
     }
     let accel = build_accel(&scene);
-    let outcomes = compare(
-        &mut scene,
-        &accel,
-        &integrators,
+    let setup = Setup {
+        integrators: &integrators,
         budget,
-        args.seed,
-        reference.as_ref(),
-        |share| {
-            if !quiet {
-                note(format_args!("{:5.1} % done", 100.0 * share));
-            }
-        },
-    )?;
+        seed: args.seed,
+        reference: reference.as_ref(),
+    };
+    let outcomes = compare(&mut scene, &accel, &setup, |share| {
+        if !quiet {
+            note(format_args!("{:5.1} % done", 100.0 * share));
+        }
+    })?;
     if args.json {
         print_line(format_args!("{:#}", json(&subject, &outcomes)))?;
     } else {

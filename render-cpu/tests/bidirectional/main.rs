@@ -1,7 +1,9 @@
 //! Bidirectional path tracing and the path layer on scenes from text.
 
 mod agreement;
+mod case;
 mod features;
+mod masks;
 mod matrix;
 mod reverse;
 mod scenes;

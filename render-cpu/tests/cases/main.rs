@@ -8,6 +8,7 @@ mod files;
 mod images;
 mod integrators;
 mod masks;
+mod mesh_files;
 mod meshes;
 mod scalars;
 mod versions;

@@ -1,21 +1,21 @@
-//! Meshes: degenerate ones, materials by name, sharp edges, and what programs write in unusual ways.
+//! Meshes: degenerate ones, materials by name, sharp edges.
 
 use crate::Files;
 
-const CUBE: &str =
+pub const CUBE: &str =
     "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
-const BOTTOM: &str = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n";
-const TOP: &str = "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+pub const BOTTOM: &str = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n";
+pub const TOP: &str = "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
-fn shape(plugin: &str, file: &str, properties: &str) -> String {
+pub fn shape(plugin: &str, file: &str, properties: &str) -> String {
     format!(
         r#"<shape type="{plugin}"><string name="filename" value="{file}"/>{properties}</shape>"#
     )
 }
 
-const FLAT: &str = r#"<boolean name="face_normals" value="true"/>"#;
+pub const FLAT: &str = r#"<boolean name="face_normals" value="true"/>"#;
 
-fn ply(header: &str, body: &str) -> Vec<u8> {
+pub fn ply(header: &str, body: &str) -> Vec<u8> {
     format!(
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n{header}end_header\n{body}"
     )
@@ -281,160 +281,4 @@ fn edges_beyond_the_largest_smooth_angle_are_sharp() {
                 .contains("180")
         );
     }
-}
-
-#[test]
-fn byte_order_marks_are_skipped() {
-    let cube = format!("{CUBE}{BOTTOM}{TOP}");
-    let marked = format!("\u{feff}{cube}");
-    let wide: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
-    let wide_big: Vec<u8> = marked.encode_utf16().flat_map(u16::to_be_bytes).collect();
-    let plain_ply = ply(
-        "element face 1\nproperty list uchar int vertex_indices\n",
-        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-    );
-    let marked_ply = [b"\xef\xbb\xbf".as_slice(), &plain_ply].concat();
-    let spectrum = "400 1\n700 2\n";
-    let marked_spectrum = format!("\u{feff}{spectrum}");
-    let files = Files::new(&[
-        ("plain.obj", cube.as_bytes()),
-        ("marked.obj", marked.as_bytes()),
-        ("wide.obj", &wide),
-        ("widebig.obj", &wide_big),
-        ("plain.ply", &plain_ply),
-        ("marked.ply", &marked_ply),
-        ("plain.spd", spectrum.as_bytes()),
-        ("marked.spd", marked_spectrum.as_bytes()),
-    ]);
-    for file in ["marked.obj", "wide.obj", "widebig.obj"] {
-        assert_eq!(
-            files.clean("3.0.0", &shape("obj", file, FLAT)),
-            files.clean("3.0.0", &shape("obj", "plain.obj", FLAT)),
-            "{file}"
-        );
-    }
-    assert_eq!(
-        files.clean("3.0.0", &shape("ply", "marked.ply", "")),
-        files.clean("3.0.0", &shape("ply", "plain.ply", ""))
-    );
-    let lamp = |file: &str| {
-        format!(
-            r#"<shape type="sphere"><emitter type="area"><spectrum name="radiance" filename="{file}"/></emitter></shape>"#
-        )
-    };
-    assert_eq!(
-        files.clean("3.0.0", &lamp("marked.spd")),
-        files.clean("3.0.0", &lamp("plain.spd"))
-    );
-}
-
-#[test]
-fn obj_files_as_programs_write_them() {
-    let cube = format!("{CUBE}{BOTTOM}{TOP}");
-    let faces_first = format!("{BOTTOM}{TOP}{CUBE}");
-    let old_keyword = cube.replace("f ", "fo ");
-    let spare_slashes = cube.replace("f 4 3 2 1", "f 4// 3/ 2// 1/");
-    let weights = CUBE.replace('\n', " 1.0\n") + BOTTOM + TOP;
-    let lines = format!("{cube}l 1 2 3\np 1\n");
-    let two_corners = format!("{cube}f 1 2\nf 3\n");
-    let missing = cube.replace("f 4 3 2 1", "f 4/7/9 3/7/9 2/7/9 1/7/9");
-    let not_numbers = format!("{CUBE}vn -1.#IND 0 0\nvn 0 0 1.#QNAN\n{BOTTOM}{TOP}");
-    let files = Files::new(&[
-        ("plain.obj", cube.as_bytes()),
-        ("first.obj", faces_first.as_bytes()),
-        ("old.obj", old_keyword.as_bytes()),
-        ("slashes.obj", spare_slashes.as_bytes()),
-        ("weights.obj", weights.as_bytes()),
-        ("lines.obj", lines.as_bytes()),
-        ("two.obj", two_corners.as_bytes()),
-        ("missing.obj", missing.as_bytes()),
-        ("nan.obj", not_numbers.as_bytes()),
-    ]);
-    let plain = files.clean("3.0.0", &shape("obj", "plain.obj", FLAT));
-    for file in [
-        "first.obj",
-        "old.obj",
-        "slashes.obj",
-        "weights.obj",
-        "nan.obj",
-    ] {
-        assert_eq!(
-            files.clean("3.0.0", &shape("obj", file, FLAT)),
-            plain,
-            "{file}"
-        );
-    }
-    for (file, words) in [
-        ("lines.obj", "2 points, lines"),
-        ("two.obj", "2 faces with fewer than three corners"),
-    ] {
-        assert_eq!(
-            files.warned("3.0.0", &shape("obj", file, FLAT), words),
-            plain,
-            "{file}"
-        );
-    }
-    let scene = files
-        .scene("3.0.0", &shape("obj", "missing.obj", FLAT))
-        .unwrap();
-    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
-    assert_eq!(scene.tables.fingerprint(), plain);
-}
-
-#[test]
-fn ply_files_as_programs_write_them() {
-    let face = "element face 1\nproperty list uchar int vertex_indices\n";
-    let vertices = "0 0 0\n1 0 0\n0 1 0\n";
-    let plain = ply(face, &format!("{vertices}3 0 1 2\n"));
-    let returns = String::from_utf8(plain.clone())
-        .unwrap()
-        .replace('\n', "\r");
-    let both = String::from_utf8(plain.clone())
-        .unwrap()
-        .replace('\n', "\r\n");
-    let strips = ply(
-        "element tristrips 1\nproperty list int int vertex_indices\n",
-        &format!("{vertices}8 0 1 2 -1 2 2 1 -1\n"),
-    );
-    let edges = ply(
-        &format!("{face}element edge 1\nproperty int vertex1\nproperty int vertex2\n"),
-        &format!("{vertices}3 0 1 2\n0 1\n"),
-    );
-    let wedges = ply(
-        &format!("{face}property list uchar float texcoord\n").replace("face 1", "face 2"),
-        &format!("{vertices}3 0 1 2 6 0 0 1 0 0 1\n3 2 1 0 6 0.5 1 1 0 0.5 0.5\n"),
-    );
-    let files = Files::new(&[
-        ("plain.ply", &plain),
-        ("returns.ply", returns.as_bytes()),
-        ("both.ply", both.as_bytes()),
-        ("strips.ply", &strips),
-        ("edges.ply", &edges),
-        ("wedges.ply", &wedges),
-    ]);
-    let expected = files.clean("3.0.0", &shape("ply", "plain.ply", ""));
-    for file in ["returns.ply", "both.ply", "strips.ply"] {
-        assert_eq!(
-            files.clean("3.0.0", &shape("ply", file, "")),
-            expected,
-            "{file}"
-        );
-    }
-    assert_eq!(
-        files.warned(
-            "3.0.0",
-            &shape("ply", "edges.ply", ""),
-            "1 lines are left out"
-        ),
-        expected
-    );
-    let scene = files
-        .scene("3.0.0", &shape("ply", "wedges.ply", FLAT))
-        .unwrap();
-    // The corner at (1, 0, 0) has the same coordinates in both faces.
-    assert_eq!(scene.tables.positions.len(), 5);
-    assert_eq!(
-        scene.tables.uvs,
-        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 1.0], [0.5, 0.5]]
-    );
 }

@@ -8,34 +8,22 @@ mod lost_lines;
 mod materials;
 mod outputs;
 mod rendering;
+#[path = "../common/room.rs"]
+mod room;
 
+use room::room;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// A small room with a light, a glossy floor and a glass ball.
-pub const SCENE: &str = r#"<scene version="3.0.0">
-    <default name="spp" value="4"/>
-    <integrator type="path"><integer name="max_depth" value="8"/></integrator>
-    <sensor type="perspective">
-        <float name="fov" value="45"/>
-        <transform name="to_world"><lookat origin="0, 1.5, 5" target="0, 0.8, 0" up="0, 1, 0"/></transform>
-        <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
-        <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>
-    </sensor>
-    <shape type="rectangle">
-        <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
-        <bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.4, 0.3, 0.2"/></bsdf>
-    </shape>
-    <shape type="sphere">
-        <point name="center" x="0" y="0.8" z="0"/><float name="radius" value="0.7"/>
-        <bsdf type="dielectric"/>
-    </shape>
-    <shape type="rectangle">
-        <transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
-        <emitter type="area"><rgb name="radiance" value="9, 8, 7"/></emitter>
-    </shape>
-</scene>
-"#;
+pub const SCENE: &str = room!(
+    settings: r#"<default name="spp" value="4"/>
+    <integrator type="path"><integer name="max_depth" value="8"/></integrator>"#,
+    sensor: r#"<sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>"#,
+    width: "24",
+    height: "16",
+    ball: "dielectric"
+);
 
 /// A folder with the scene in it, and the command run there.
 pub struct Place {

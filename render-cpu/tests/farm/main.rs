@@ -2,38 +2,26 @@
 
 mod division;
 mod failures;
+#[path = "../common/room.rs"]
+mod room;
 
 use halflight::farm::folder::Folder;
 use halflight::farm::plan::{Division, Plan, PlannedScene, Request};
 use halflight::farm::task::{TaskOutcome, run_task};
 use halflight::film::aov::{Aov, AovSet};
+use room::room;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A sphere on a floor under a bright square.
-pub const SCENE: &str = r#"<scene version="3.0.0">
-    <integrator type="path"><integer name="max_depth" value="5"/></integrator>
-    <sensor type="perspective">
-        <float name="fov" value="45"/>
-        <transform name="to_world"><lookat origin="0, 1.5, 5" target="0, 0.8, 0" up="0, 1, 0"/></transform>
-        <sampler type="independent"><integer name="sample_count" value="21"/></sampler>
-        <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>
-    </sensor>
-    <shape type="rectangle">
-        <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
-        <bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.4, 0.3, 0.2"/></bsdf>
-    </shape>
-    <shape type="sphere">
-        <point name="center" x="0" y="0.8" z="0"/><float name="radius" value="0.7"/>
-        <bsdf type="conductor"/>
-    </shape>
-    <shape type="rectangle">
-        <transform name="to_world"><rotate x="1" angle="90"/><translate y="3"/></transform>
-        <emitter type="area"><rgb name="radiance" value="9, 8, 7"/></emitter>
-    </shape>
-</scene>
-"#;
+pub const SCENE: &str = room!(
+    settings: r#"<integrator type="path"><integer name="max_depth" value="5"/></integrator>"#,
+    sensor: r#"<sampler type="independent"><integer name="sample_count" value="21"/></sampler>"#,
+    width: "24",
+    height: "16",
+    ball: "conductor"
+);
 
 /// A folder with the scene in it, and a farm.
 pub struct Place {

@@ -1,6 +1,6 @@
 //! Truncated and damaged files of every format.
 
-use crate::ply_files::{ENCODINGS, XYZ, ply_file, square_rows};
+use crate::ply_writer::{ENCODINGS, XYZ, ply_file, square_rows};
 use crate::serialized_files::{Variant, serialized_file, serialized_stream, variants};
 use crate::{SQUARE, read_ply, read_serialized};
 use halflight::mesh::{Mesh, MeshError, obj};

@@ -10,7 +10,7 @@ use glam::Vec2;
 use halflight_kernel::scene::texture::eval_uv;
 use halflight_kernel::scene::*;
 use halflight_spirv::interface::{Dispatch, SceneConstants, WORKGROUP, WorkItem};
-use halflight_spirv::probe_runner::run_once;
+use halflight_spirv::probe_runner::{EntryPoint, run_once};
 
 /// Bitmaps of every format, filter and border, a checkerboard and a scaled texture.
 fn textures(random: &mut Random) -> Owned {
@@ -97,8 +97,10 @@ fn textures_agree() {
     };
     let results: Vec<[f32; 4]> = run_once(
         &device,
-        &module(),
-        c"probe_texture::textures",
+        EntryPoint {
+            module: &module(),
+            name: c"probe_texture::textures",
+        },
         &tables,
         &dispatch,
         dispatch.count.div_ceil(WORKGROUP),

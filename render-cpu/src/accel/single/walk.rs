@@ -49,6 +49,26 @@ impl Nearest {
     }
 }
 
+/// A ray in world space and in the space of the group that is walked.
+struct GroupRay<'a> {
+    world: &'a Ray,
+    local: &'a Ray,
+    /// The instance of the group; 0 for the world's own.
+    instance: u32,
+}
+
+impl<'a> GroupRay<'a> {
+    /// In the world's own group.
+    #[inline(always)]
+    fn of_world(ray: &'a Ray) -> GroupRay<'a> {
+        GroupRay {
+            world: ray,
+            local: ray,
+            instance: 0,
+        }
+    }
+}
+
 impl World<'_> {
     /// The nearest hit, or with `ANY` whichever comes first.
     #[inline(always)]
@@ -63,8 +83,9 @@ impl World<'_> {
         let world = T::ray(ray.origin, ray.direction, ray.t_min);
         let group = &self.groups[0];
         if group.is_mixed {
+            let rays = GroupRay::of_world(ray);
             walk::<T, ANY, true>(group, &world, 0, &mut nearest, |slot, nearest| {
-                self.other::<T, ANY, true>(group, slot, ray, ray, 0, nearest)
+                self.other::<T, ANY, true>(group, slot, &rays, nearest)
             });
         } else {
             walk::<T, ANY, false>(group, &world, 0, &mut nearest, |_, _| false);
@@ -72,17 +93,16 @@ impl World<'_> {
         nearest.hit
     }
 
-    /// One entry of a leaf that is not a triangle, with the ray in the group's space; true stops the walk.
+    /// Tests one entry of a leaf that is not a triangle; true stops the walk.
     #[inline(always)]
     fn other<T: InstructionSet, const ANY: bool, const WORLD: bool>(
         &self,
         group: &Group,
         slot: usize,
-        local: &Ray,
-        ray: &Ray,
-        instance: u32,
+        ray: &GroupRay<'_>,
         nearest: &mut Nearest,
     ) -> bool {
+        let local = ray.local;
         let primitive = group.entries[slot].primitive();
         let triangles = self.tables.triangles.len();
         if (primitive as usize) < triangles {
@@ -103,13 +123,13 @@ impl World<'_> {
                 b1: 0.0,
                 b2: 0.0,
                 primitive,
-                instance,
+                instance: ray.instance,
             });
             return ANY && is_first;
         }
         if WORLD {
             let instance = index - self.tables.quadrics.len();
-            return self.enter::<T, ANY>(instance, ray, nearest);
+            return self.enter::<T, ANY>(instance, ray.world, nearest);
         }
         false
     }
@@ -133,8 +153,13 @@ impl World<'_> {
         }
         let prepared = T::ray(origin, direction, ray.t_min);
         let instance = instance as u32;
+        let rays = GroupRay {
+            world: ray,
+            local: &local,
+            instance,
+        };
         walk::<T, ANY, true>(group, &prepared, instance, nearest, |slot, nearest| {
-            self.other::<T, ANY, false>(group, slot, &local, ray, instance, nearest)
+            self.other::<T, ANY, false>(group, slot, &rays, nearest)
         })
     }
 
@@ -148,7 +173,7 @@ impl World<'_> {
         ray: &Ray,
         nearest: &mut Nearest,
     ) {
-        self.other::<Avx2, ANY, true>(group, entry, ray, ray, 0, nearest);
+        self.other::<Avx2, ANY, true>(group, entry, &GroupRay::of_world(ray), nearest);
     }
 }
 

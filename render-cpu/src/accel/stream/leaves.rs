@@ -16,6 +16,16 @@ use halflight_kernel::scene::{Quadric, Tables, quadric_kind};
 use std::arch::x86_64::*;
 use std::mem::offset_of;
 
+/// Tests of leaf entries, one per lane of a mask.
+struct QueuedTests {
+    /// The entry of each lane.
+    indices: WordRow,
+    /// The lane of the ray that each lane tests.
+    owners: W16,
+    /// The mask.
+    lanes: u16,
+}
+
 with_avx512! {
     /// Tests up to sixteen of the entries that wait; the lanes that have met something.
     #[inline(never)]
@@ -61,7 +71,8 @@ with_avx512! {
                 items.shr::<4>().store(&mut indices);
                 let spheres = are_spheres(&world.tables, primitive, others);
                 met |= test_spheres(rays, &world.tables, &sheared, owners, primitive, spheres);
-                met |= test_others(world, group, rays, &indices, owners, others & !spheres, any);
+                let tests = QueuedTests { indices, owners, lanes: others & !spheres };
+                met |= test_others(world, group, rays, &tests, any);
             }
         }
         met
@@ -85,7 +96,8 @@ with_avx512! {
             let spheres = are_spheres(&world.tables, primitive, lanes);
             let met = test_spheres(rays, &world.tables, &sheared, owners, primitive, spheres);
             let indices = WordRow::all(index as u32);
-            return met | test_others(world, group, rays, &indices, owners, lanes & !spheres, any);
+            let tests = QueuedTests { indices, owners, lanes: lanes & !spheres };
+            return met | test_others(world, group, rays, &tests, any);
         }
         let vertex = |k: usize| {
             let [x, y, z, _] = *entry.row(k);
@@ -101,28 +113,25 @@ with_avx512! {
         rays.commit(found.mask, [found.t, found.b1, found.b2], names)
     }
 
-    /// What is neither a triangle nor a sphere in the entries `indices`, for the rays of the lanes `owners`, by the walk of
-    /// single rays; the rays' lanes that have met something.
+    /// Tests entries that are neither triangles nor spheres, by the walk of single rays; the rays' lanes that have hit something.
     #[inline(never)]
     fn test_others(
         world: &World<'_>,
         group: &Group,
         rays: &mut RayLanes,
-        indices: &WordRow,
-        owners: W16,
-        others: u16,
+        tests: &QueuedTests,
         any: bool,
     ) -> u16 {
         let mut lanes = WordRow::all(0);
-        owners.store(&mut lanes);
+        tests.owners.store(&mut lanes);
         let mut met = 0;
-        let mut left = others;
+        let mut left = tests.lanes;
         while left != 0 {
             let k = left.trailing_zeros() as usize & (LANES - 1);
             left &= left - 1;
             let lane = lanes.0[k] as usize & (LANES - 1);
             let mut nearest = rays.nearest(lane);
-            let index = indices.0[k] as usize;
+            let index = tests.indices.0[k] as usize;
             let ray = rays.ray(lane);
             if any {
                 world.test_other_avx2::<true>(group, index, &ray, &mut nearest);

@@ -110,8 +110,21 @@ pub fn trace<const ANY: bool, const N: usize>(
                 break;
             }
         }
-        walk_range::<ANY, N>(world, group, &mut walks, rays, &prepared, first..next, hits);
+        let source = Source {
+            rays,
+            prepared: &prepared,
+            left: first..next,
+        };
+        walk_range::<ANY, N>(world, group, &mut walks, source, hits);
     }
+}
+
+/// The rays of a batch that are yet to be traced.
+struct Source<'a, const N: usize> {
+    rays: &'a RayBatch<N>,
+    prepared: &'a PreparedRays<N>,
+    /// Their numbers.
+    left: Range<usize>,
 }
 
 /// Traces the rays of a range, each at its own node.
@@ -122,29 +135,27 @@ fn walk_range<const ANY: bool, const N: usize>(
     world: &World<'_>,
     group: &Group,
     walks: &mut Walks,
-    rays: &RayBatch<N>,
-    prepared: &PreparedRays<N>,
-    range: Range<usize>,
+    mut source: Source<'_, N>,
     hits: &mut HitBatch<N>,
 ) {
-    let (mut next, count) = (range.start, range.end);
     loop {
+        let is_exhausted = source.left.start >= source.left.end;
         let idle = !walks.busy;
         // Lanes whose entries wait keep their rays.
         let free = if walks.queue.len() == 0 {
             idle
-        } else if (idle & walks.live) != 0 || (idle.count_ones() >= REFILL && next < count) {
+        } else if (idle & walks.live) != 0 || (idle.count_ones() >= REFILL && !is_exhausted) {
             idle & !walks.queue.lanes()
         } else {
             0
         };
-        if (free.count_ones() >= REFILL && next < count) || free == u16::MAX {
+        if (free.count_ones() >= REFILL && !is_exhausted) || free == u16::MAX {
             walks.rays.store::<ANY, N>(free & walks.live, hits);
             walks.live &= !free;
-            if next == count && walks.live == 0 {
+            if is_exhausted && walks.live == 0 {
                 return;
             }
-            begin(walks, group, free, rays, prepared, &mut next, count);
+            begin(walks, group, free, &mut source);
         }
         if walks.busy != 0 {
             step(walks, group);
@@ -165,19 +176,17 @@ with_avx512! {
         walks: &mut Walks,
         group: &Group,
         free: u16,
-        rays: &RayBatch<N>,
-        prepared: &PreparedRays<N>,
-        next: &mut usize,
-        count: usize,
+        source: &mut Source<'_, N>,
     ) {
-        let left = (count - *next).min(LANES);
+        let prepared = source.prepared;
+        let left = source.left.len().min(LANES);
         let fresh = _pdep_u32((1u32 << left) - 1, u32::from(free)) as u16;
         if fresh == 0 {
             return;
         }
-        let first = *next;
-        *next += fresh.count_ones() as usize;
-        walks.rays.load(fresh, rays, prepared, first);
+        let first = source.left.start;
+        source.left.start += fresh.count_ones() as usize;
+        walks.rays.load(fresh, source.rays, prepared, first);
         orders(walks.rays.negative).store(&mut walks.order);
         let root = &group.nodes[0];
         let none = W16::splat(NO_NODE);

@@ -155,7 +155,7 @@ pub fn ztest(a: Estimate<'_>, b: Estimate<'_>, settings: Settings) -> Outcome {
                 for channel in 0..3 {
                     let factor = if block == 1 { 1.0 } else { correlation };
                     let (z, dof) =
-                        field.block(x, y, side, channel, factor, settings.relative_floor);
+                        field.block([x, y], side, channel, factor, settings.relative_floor);
                     // The tail shrinks with z and with the degrees of freedom, so most tests need no distribution.
                     if z.abs() > worst.z.abs() || (z.abs() > 2.0 && worst.p > 0.0) {
                         let p = two_sided(z, dof);
@@ -260,8 +260,7 @@ impl Field {
     /// Deviations of the mean difference of a block, and degrees of freedom of its variance.
     fn block(
         &self,
-        x: usize,
-        y: usize,
+        [x, y]: [usize; 2],
         side: usize,
         c: usize,
         correlation: f64,

@@ -92,6 +92,19 @@ fn image(film: &Film) -> RgbImage {
     RgbImage::new(film.width() as usize, film.height() as usize, film.mean())
 }
 
+/// What is compared.
+#[derive(Clone, Copy)]
+pub struct Setup<'a> {
+    /// The algorithms with their settings.
+    pub integrators: &'a [(&'static Integrator, IntegratorSettings)],
+    /// What each may spend.
+    pub budget: Budget,
+    /// Seed of the first images; second ones, without a reference, have the next.
+    pub seed: u32,
+    /// The image to measure against.
+    pub reference: Option<&'a Reference>,
+}
+
 /// Renders and measures; `done` is called after each share of the budget.
 ///
 /// # Errors
@@ -99,38 +112,42 @@ fn image(film: &Film) -> RgbImage {
 pub fn run(
     scene: &mut Scene,
     accel: &Accel,
-    integrators: &[(&'static Integrator, IntegratorSettings)],
-    budget: Budget,
-    seed: u32,
-    reference: Option<&Reference>,
+    setup: &Setup<'_>,
     mut done: impl FnMut(f64),
 ) -> Result<Vec<Outcome>, PassError> {
+    let (integrators, reference) = (setup.integrators, setup.reference);
     // Pairs stand side by side.
     let runs = if reference.is_some() { 1 } else { 2 };
     let mut runners = Vec::new();
     for &(integrator, settings) in integrators {
         for twin in 0..runs {
-            let seed = seed.wrapping_add(twin);
+            let seed = setup.seed.wrapping_add(twin);
             runners.push(Runner::new(integrator.name, scene, settings, seed)?);
         }
     }
     let mut curves: Vec<Vec<Point>> = vec![Vec::new(); integrators.len()];
-    race(&mut runners, scene, accel, budget, |runners, share| {
-        for (runs, curve) in runners.chunks(runs as usize).zip(&mut curves) {
-            let first = &runs[0];
-            let is_new = curve.last().is_none_or(|p| p.samples < first.state.samples);
-            if is_new {
-                curve.push(Point {
-                    seconds: first.seconds,
-                    samples: first.state.samples,
-                    errors: with_yardstick(runs, reference, |image, yardstick| {
-                        Errors::new(image, &first.film.variance_of_mean(), yardstick)
-                    }),
-                });
+    race(
+        &mut runners,
+        scene,
+        accel,
+        setup.budget,
+        |runners, share| {
+            for (runs, curve) in runners.chunks(runs as usize).zip(&mut curves) {
+                let first = &runs[0];
+                let is_new = curve.last().is_none_or(|p| p.samples < first.state.samples);
+                if is_new {
+                    curve.push(Point {
+                        seconds: first.seconds,
+                        samples: first.state.samples,
+                        errors: with_yardstick(runs, reference, |image, yardstick| {
+                            Errors::new(image, &first.film.variance_of_mean(), yardstick)
+                        }),
+                    });
+                }
             }
-        }
-        done(share);
-    })?;
+            done(share);
+        },
+    )?;
     let finished = runners.chunks(runs as usize).zip(curves);
     Ok(finished
         .map(|(runs, curve)| {

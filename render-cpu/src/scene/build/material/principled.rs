@@ -85,48 +85,43 @@ impl Builder {
         let inside = lobe_flag::BACK;
         let is_metal = is_constant(&metallic, 1.0);
 
+        // Each with the factors of its weight, and the side on which it exists.
+        let mut parts: Vec<(LobeRecord, Vec<Option<WeightFactor>>, u32)> = Vec::new();
         if !is_metal && !is_constant(&spec_trans, 1.0) {
             let mut part = lobe(lobe_kind::PRINCIPLED_DIFFUSE);
             part.exponent = flatness;
-            self.principled_lobe(object, context, part, &[dielectric, opaque], outside, lobes)?;
+            parts.push((part, vec![dielectric, opaque], outside));
         }
         if !is_metal && !is_constant(&sheen, 0.0) {
             let mut part = lobe(lobe_kind::SHEEN);
             part.specular_reflectance = of_scalar(sheen);
             part.exponent = sheen_tint;
-            self.principled_lobe(object, context, part, &[dielectric], outside, lobes)?;
+            parts.push((part, vec![dielectric], outside));
         }
         if !is_metal && !is_constant(&spec_tint, 1.0) {
             let part = lobe(lobe_kind::ROUGH_COAT);
             let factors = [dielectric, factor(spec_tint, true)];
-            self.principled_lobe(object, context, part, &factors, outside, lobes)?;
+            parts.push((part, factors.to_vec(), outside));
         }
         if !is_metal && !is_constant(&spec_tint, 0.0) {
             let mut part = lobe(lobe_kind::SCHLICK_REFLECTION);
             part.flags |= lobe_flag::TINTED;
             let factors = [dielectric, factor(spec_tint, false)];
-            self.principled_lobe(object, context, part, &factors, outside, lobes)?;
+            parts.push((part, factors.to_vec(), outside));
         }
         if !is_constant(&metallic, 0.0) {
             let part = lobe(lobe_kind::SCHLICK_REFLECTION);
-            self.principled_lobe(
-                object,
-                context,
-                part,
-                &[factor(metallic, false)],
-                outside,
-                lobes,
-            )?;
+            parts.push((part, vec![factor(metallic, false)], outside));
         }
         if !is_metal && !is_constant(&spec_trans, 0.0) {
             let factors = [dielectric, factor(spec_trans, false)];
             let mut part = lobe(lobe_kind::ROUGH_DIELECTRIC);
             part.flags |= lobe_flag::ROOT_TRANSMITTANCE;
             part.specular_transmittance = base_color;
-            self.principled_lobe(object, context, part, &factors, inside, lobes)?;
+            parts.push((part, factors.to_vec(), inside));
             // What is reflected outside is in the lobes above.
             part.specular_reflectance = RgbParameter::constant([0.0; 3]);
-            self.principled_lobe(object, context, part, &factors, outside, lobes)?;
+            parts.push((part, factors.to_vec(), outside));
         }
         if !is_constant(&coat, 0.0) {
             let mut part = lobe(lobe_kind::CLEARCOAT);
@@ -135,31 +130,20 @@ impl Builder {
             let width = clearcoat::LARGEST + (clearcoat::SMALLEST - clearcoat::LARGEST) * gloss;
             part.alpha_u = ScalarParameter::constant(width);
             part.alpha_v = part.alpha_u;
-            self.principled_lobe(object, context, part, &[], outside, lobes)?;
+            parts.push((part, Vec::new(), outside));
         }
-        Ok(())
-    }
-
-    /// Adds a lobe on one side, where the surroundings allow it.
-    fn principled_lobe(
-        &self,
-        object: &Object,
-        context: &Context<'_>,
-        lobe: LobeRecord,
-        factors: &[Option<WeightFactor>],
-        side: u32,
-        lobes: &mut Vec<PendingLobe>,
-    ) -> Result<(), SceneError> {
-        let mut context = context.clone();
-        // Two-sided, the back sees the front.
-        if context.sides & lobe_flag::FLIP_BACK == 0 {
-            context.sides &= side;
-            if context.sides == 0 {
-                return Ok(());
+        for (record, factors, side) in parts {
+            let mut context = context.clone();
+            // Of a two-sided material the back is a copy of the front.
+            if context.sides & lobe_flag::FLIP_BACK == 0 {
+                context.sides &= side;
+            }
+            if context.sides != 0 {
+                context.factors.extend(factors.iter().flatten());
+                self.push_lobe(object, record, context, lobes)?;
             }
         }
-        context.factors.extend(factors.iter().flatten());
-        self.push_lobe(object, lobe, context, lobes)
+        Ok(())
     }
 }
 

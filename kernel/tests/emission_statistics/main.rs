@@ -4,24 +4,24 @@
 //! differences in f64, not from the kernel's stretch; directions by Pearson's chi-square. Deviations of means are held
 //! against 5 standard errors: 6e-7 of false alarms each, about 100 of them. Random numbers are fixed.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod positions;
+mod surfaces;
 
 use common::Random;
 use common::chi_square::ChiSquare;
 use common::light_scene::{Scene, emitter, rows};
-use common::lit_scenes::{WHITE, mesh_scene, sky, turned};
-use glam::{Affine3A, DVec3, Mat3A, Vec2, Vec3};
+use common::lit_scenes::{mesh_scene, sky, turned};
+use glam::{Vec2, Vec3};
 use halflight_kernel::math::{Frame, luminance, vec3};
 use halflight_kernel::scene::emitter::emission::{self, EmissionSample};
 use halflight_kernel::scene::emitter::{
     area_radiance, delta, environment_radiance, position, power,
 };
-use halflight_kernel::scene::surface::detail;
-use halflight_kernel::scene::surface::triangle::triangle_point_with;
-use halflight_kernel::scene::{
-    NONE, RgbParameter, SurfacePoint, emitter_kind, quadric_kind, shape_flag,
-};
+use halflight_kernel::scene::{NONE, RgbParameter, SurfacePoint, emitter_kind};
 use std::f64::consts::{PI, TAU};
+use surfaces::{QUADRICS, over_triangles, sheared, surface_integrals};
 
 const SAMPLES: u32 = 1 << 16;
 
@@ -62,154 +62,6 @@ fn draw(scene: &Scene, random: &mut Random) -> EmissionSample {
     let u_select = random.next_1d();
     let u_position = random.next_2d();
     emission::sample(&scene.tables(), u_select, u_position, random.next_2d())
-}
-
-/// A map that shears and squeezes.
-fn sheared() -> Affine3A {
-    let shear = Affine3A::from_mat3(
-        Mat3A::from_cols(
-            Vec3::new(0.6, 0.2, 0.1).into(),
-            Vec3::new(-0.3, 1.1, 0.4).into(),
-            Vec3::new(0.2, -0.1, 0.8).into(),
-        )
-        .into(),
-    );
-    turned(Vec3::ONE, Vec3::new(1.0, 2.0, 0.5)) * shear
-}
-
-/// The kinds of quadrics, with their canonical points by two parameters in [0, 1].
-type Parametrisation = fn(f64, f64) -> DVec3;
-
-const QUADRICS: [(&str, u32, Parametrisation); 3] = [
-    ("sphere", quadric_kind::SPHERE, |a, b| {
-        let (theta, phi) = (PI * a, TAU * b);
-        DVec3::new(
-            theta.sin() * phi.cos(),
-            theta.sin() * phi.sin(),
-            theta.cos(),
-        )
-    }),
-    ("disk", quadric_kind::DISK, |a, b| {
-        DVec3::new(a * (TAU * b).cos(), a * (TAU * b).sin(), 0.0)
-    }),
-    ("cylinder", quadric_kind::CYLINDER, |a, b| {
-        DVec3::new((TAU * b).cos(), (TAU * b).sin(), a)
-    }),
-];
-
-/// Functions of a position that a wrong density does not leave all alone.
-fn probes(p: DVec3) -> [f64; 6] {
-    [
-        1.0,
-        p.x,
-        p.y,
-        p.z,
-        (3.0 * p.x + 2.0 * p.y).sin() * (4.0 * p.z).cos(),
-        (p.x * p.y * p.z).abs(),
-    ]
-}
-
-/// Integrals of the probes over the image of a parametrised surface.
-fn surface_integrals(to_world: Affine3A, at: Parametrisation) -> [f64; 6] {
-    let m = to_world.matrix3.to_cols_array_2d();
-    let column = |i: usize| DVec3::from_array(m[i].map(f64::from));
-    let origin = Vec3::from(to_world.translation).as_dvec3();
-    let world = |a: f64, b: f64| {
-        let p = at(a, b);
-        column(0) * p.x + column(1) * p.y + column(2) * p.z + origin
-    };
-    const N: usize = 400;
-    let h = 1e-5;
-    let mut sums = [0.0; 6];
-    for i in 0..N {
-        for j in 0..N {
-            let a = (i as f64 + 0.5) / N as f64;
-            let b = (j as f64 + 0.5) / N as f64;
-            let along_a = (world(a + h, b) - world(a - h, b)) / (2.0 * h);
-            let along_b = (world(a, b + h) - world(a, b - h)) / (2.0 * h);
-            let area = along_a.cross(along_b).length() / (N * N) as f64;
-            for (sum, probe) in sums.iter_mut().zip(probes(world(a, b))) {
-                *sum += probe * area;
-            }
-        }
-    }
-    sums
-}
-
-#[test]
-fn positions_follow_their_density_on_quadrics() {
-    let maps = [
-        ("round", turned(Vec3::splat(0.7), Vec3::new(1.0, 2.0, 0.5))),
-        ("squeezed", turned(Vec3::new(0.4, 1.2, 0.7), Vec3::ONE)),
-        ("mirrored", turned(Vec3::new(-0.5, 1.0, 0.8), Vec3::ONE)),
-        ("sheared", sheared()),
-    ];
-    for (shape, kind, at) in QUADRICS {
-        for (map_name, map) in maps {
-            for flags in [0, shape_flag::FLIP_NORMALS] {
-                let mut scene = Scene::new();
-                scene.add_quadric_light(kind, map, flags, WHITE);
-                scene.select();
-                let expected = surface_integrals(map, at);
-                check_positions(&format!("{map_name} {shape}"), &scene, expected);
-            }
-        }
-    }
-}
-
-fn check_positions(name: &str, scene: &Scene, expected: [f64; 6]) {
-    let tables = scene.tables();
-    let mut random = Random(0x1e7);
-    let mut means: [Mean; 6] = std::array::from_fn(|_| Mean::default());
-    for _ in 0..SAMPLES {
-        let (point, pdf) = position::sample_position(&tables, 0, random.next_2d());
-        assert!(pdf > 0.0 && pdf.is_finite(), "{name}: density {pdf}");
-        let again = position::pdf_position(&tables, &point);
-        assert!((again / pdf - 1.0).abs() < 1e-5, "{name}: {again}, {pdf}");
-        for (mean, probe) in means.iter_mut().zip(probes(point.position.as_dvec3())) {
-            mean.add(probe / f64::from(pdf));
-        }
-    }
-    for (i, (mean, expected)) in means.iter().zip(expected).enumerate() {
-        mean.assert_is(&format!("{name}, probe {i}"), expected);
-    }
-}
-
-/// Sums of a function over the points of the triangles of [`mesh_scene`], times their area.
-fn over_triangles(scene: &Scene, mut f: impl FnMut(&SurfacePoint, f64)) {
-    let tables = scene.tables();
-    const N: u32 = 60;
-    for primitive in 0..tables.triangles.len() as u32 {
-        let [a, b, c] = tables.triangles[primitive as usize]
-            .vertices
-            .map(|i| vec3(tables.positions[i as usize]).as_dvec3());
-        let area = 0.5 * (b - a).cross(c - a).length();
-        for i in 0..N {
-            for j in 0..2 * (N - i) - 1 {
-                // Centroids of the small triangles, upright and upside down.
-                let (x, y) = (j / 2, f64::from(i));
-                let shift = if j % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
-                let b1 = (f64::from(x) + shift) / f64::from(N);
-                let b2 = (y + shift) / f64::from(N);
-                let point = triangle_point_with::<{ detail::TANGENTS }>(
-                    &tables, primitive, b1 as f32, b2 as f32,
-                );
-                f(&point, area / f64::from(N * N));
-            }
-        }
-    }
-}
-
-#[test]
-fn positions_follow_their_density_on_meshes() {
-    let scene = mesh_scene();
-    let mut expected = [0.0; 6];
-    over_triangles(&scene, |point, area| {
-        for (sum, probe) in expected.iter_mut().zip(probes(point.position.as_dvec3())) {
-            *sum += probe * area;
-        }
-    });
-    check_positions("mesh", &scene, expected);
 }
 
 /// Every emitter alone, by name, with its power in luminance by quadrature or closed form.

@@ -335,7 +335,7 @@ impl Connector<'_> {
             }
         };
         // Per solid angle at the lens: the density of the camera walk that would come the other way.
-        let light = weights.sum(h, lens_pdf, density * distance2);
+        let light = h.of(lens_pdf) * weights.shorter(h, density * distance2);
         let weight = self.strategies.weight(light, 0.0);
         Contribution {
             value: walk.subpath.throughput * (density * distance2 * lens_pdf * weight / cosine),

@@ -34,6 +34,12 @@ impl Strategies {
         (self.only_s == NONE || self.only_s == s) && (self.only_t == NONE || self.only_t == t)
     }
 
+    /// Whether no single strategy is shown.
+    #[inline]
+    pub fn shows_all(&self) -> bool {
+        self.only_s == NONE && self.only_t == NONE
+    }
+
     /// The weight of a strategy, given the sums over strategies with a shorter light and with a shorter camera subpath.
     #[inline]
     pub fn weight(&self, light: f32, camera: f32) -> f32 {

@@ -154,7 +154,7 @@ impl Walk {
         }
         let direct = strategies.pdf_direct(tables, self.emitter, point.position, &start, direction);
         PartialWeights {
-            d_vcm: h.of(direct * (light / pdf)),
+            d_vcm: h.of_connection(direct * (light / pdf)),
             d_vc: if is_delta(kind) {
                 0.0
             } else {

@@ -17,6 +17,19 @@
 //! each for a walk that comes from the other end of the path, and g = cos / d^2 converts a density per solid angle into one
 //! per area. Then w = 1 / (1 + S_light + S_camera).
 //!
+//! Merging (Georgiev et al. 2012; Hachisuka, Pantaleoni and Jensen 2012) makes the path by sampling vertex i from both ends and
+//! accepting points that lie within a disk of radius r of each other. With n light walks to merge with, its density is that
+//! of connecting i and i + 1, p_(i+1), times eta r_i, eta = pi r^2 n: so each vertex that is not specular adds h(eta) to
+//! the bracket that its reverse density multiplies,
+//!
+//! ```text
+//! S_i = h(r_i) [ h(eta) + d_vcm_i + h(r_w) d_vc_i ],
+//! d_vc_i  = h(g_(i -> i-1) / p_i) [ h(eta) + d_vcm_(i-1) + h(r'_w) d_vc_(i-1) ],
+//! ```
+//!
+//! and merging at i competes with `[d_vcm_i + h(r_w) d_vc_i] / h(eta)` from each side. What SmallVCM carries apart as dVM is
+//! d_vc / h(eta). Where nothing is connected all d_vcm are zero.
+//!
 //! Cosines are those with geometric normals. At a specular vertex both densities are the same discrete probability and
 //! cancel, and no connection is possible. Strategies that do not exist (hitting a pinhole or a light without extent; light
 //! images when they are off) leave out their term at the ends of the recursion.
@@ -24,17 +37,41 @@
 use bytemuck::{Pod, Zeroable};
 
 /// The heuristic: the function h above.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heuristic {
     /// Power heuristic with exponent 2 if true, balance heuristic if false.
     pub is_power: bool,
+    /// eta above: the area within which photons are merged times the number of light walks that leave them; zero without
+    /// merging.
+    pub merging: f32,
+    /// Whether subpaths are connected, to each other and to sampled points of emitters and of the lens.
+    pub connects: bool,
 }
 
 impl Heuristic {
+    /// Connections alone, by the balance heuristic.
+    pub const BALANCE: Heuristic = Heuristic {
+        is_power: false,
+        merging: 0.0,
+        connects: true,
+    };
+
+    /// Connections alone, by the power heuristic.
+    pub const POWER: Heuristic = Heuristic {
+        is_power: true,
+        ..Heuristic::BALANCE
+    };
+
     /// h(x) for x >= 0, finite.
     #[inline]
     pub fn of(self, x: f32) -> f32 {
         finite(if self.is_power { x * x } else { x })
+    }
+
+    /// h(x) for a strategy that connects: zero where there is none.
+    #[inline]
+    pub fn of_connection(self, x: f32) -> f32 {
+        if self.connects { self.of(x) } else { 0.0 }
     }
 }
 
@@ -69,8 +106,8 @@ impl PartialWeights {
     #[inline]
     pub fn scatter(self, h: Heuristic, pdf: f32, pdf_reverse: f32, cosine: f32) -> PartialWeights {
         PartialWeights {
-            d_vcm: h.of(1.0 / pdf),
-            d_vc: finite(h.of(cosine / pdf) * self.shorter(h, pdf_reverse)),
+            d_vcm: h.of_connection(1.0 / pdf),
+            d_vc: finite(h.of(cosine / pdf) * self.shorter_or_merged(h, pdf_reverse)),
         }
     }
 
@@ -103,7 +140,20 @@ impl PartialWeights {
     /// which the path goes on to the previous vertex.
     #[inline]
     pub fn sum(self, h: Heuristic, pdf_area: f32, pdf_reverse: f32) -> f32 {
-        finite(h.of(pdf_area) * self.shorter(h, pdf_reverse))
+        finite(h.of(pdf_area) * self.shorter_or_merged(h, pdf_reverse))
+    }
+
+    /// The bracket of S_i with the strategy that merges at this vertex.
+    #[inline]
+    fn shorter_or_merged(self, h: Heuristic, pdf_reverse: f32) -> f32 {
+        finite(self.shorter(h, pdf_reverse) + h.of(h.merging))
+    }
+
+    /// The sum over all strategies with a shorter subpath, for the strategy that merges at this vertex; `pdf_reverse` as in
+    /// [`PartialWeights::sum`].
+    #[inline]
+    pub fn beside_merging(self, h: Heuristic, pdf_reverse: f32) -> f32 {
+        finite(self.shorter(h, pdf_reverse) * h.of(1.0 / h.merging))
     }
 }
 

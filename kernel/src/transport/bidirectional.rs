@@ -15,6 +15,7 @@
 //! length of one walk does not shift the numbers of the other.
 //! Invariants (tests): the mean is that of path tracing; weights of all strategies of a path sum to one.
 
+use super::photon::merging::merging_share;
 use super::settings::{IntegratorSettings, integrator_kind};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb, vec3};
@@ -51,6 +52,8 @@ impl<'a> Bidirectional<'a> {
     pub fn new(tables: &'a Tables<'a>, settings: &IntegratorSettings) -> Bidirectional<'a> {
         let own = &settings.bidirectional;
         let traces_light = settings.kind == integrator_kind::LIGHT_TRACING;
+        let merges = settings.kind == integrator_kind::VERTEX_MERGING;
+        let connects = !merges || settings.photon.connections != 0;
         Bidirectional {
             connector: Connector {
                 tables,
@@ -58,8 +61,10 @@ impl<'a> Bidirectional<'a> {
                 strategies: Strategies {
                     heuristic: Heuristic {
                         is_power: own.power_heuristic != 0,
+                        merging: 0.0,
+                        connects,
                     },
-                    light_image: traces_light || own.light_image != 0,
+                    light_image: traces_light || connects && own.light_image != 0,
                     sample_direct: own.sample_direct != 0,
                     only_s: own.only_s,
                     only_t: if traces_light { 1 } else { own.only_t },
@@ -68,6 +73,13 @@ impl<'a> Bidirectional<'a> {
             },
             has_camera_walks: !traces_light,
         }
+    }
+
+    /// With photons to merge, of a pass of `emitted` light walks that are merged within `radius`.
+    #[must_use]
+    pub fn merging(mut self, radius: f32, emitted: u32) -> Bidirectional<'a> {
+        self.connector.strategies.heuristic.merging = merging_share(radius, emitted);
+        self
     }
 
     /// The ray with which a light walk begins.
@@ -166,6 +178,26 @@ impl<'a> Bidirectional<'a> {
         store: &V,
         last: u32,
         start: &EmissionSample,
+        add: impl FnMut(Contribution),
+    ) -> (Rgb, u32) {
+        let no_merging = |_: &Walk, _: &Interaction<'_>| Vec3::ZERO;
+        self.camera_bounce_merging(
+            walk, sampler, hit, bsdf, light_bsdf, store, last, start, no_merging, add,
+        )
+    }
+
+    /// [`Bidirectional::camera_bounce`] with what `merge` finds around the vertex where the walk has arrived.
+    pub fn camera_bounce_merging<S: Sampler, V: VertexStore>(
+        &self,
+        walk: &mut Walk,
+        sampler: &mut S,
+        hit: &Hit,
+        bsdf: &mut Bsdf,
+        light_bsdf: &mut Bsdf,
+        store: &V,
+        last: u32,
+        start: &EmissionSample,
+        merge: impl Fn(&Walk, &Interaction<'_>) -> Rgb,
         mut add: impl FnMut(Contribution),
     ) -> (Rgb, u32) {
         let connector = &self.connector;
@@ -178,16 +210,20 @@ impl<'a> Bidirectional<'a> {
             return (Vec3::ZERO, walk.subpath.skip_surface(&point));
         }
         walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-        let emitted = connector.emitted(walk, &point);
+        let mut found = connector.emitted(walk, &point);
         let next = walk.subpath.arrive(tables, &connector.rules, &point);
         if next != step::SCATTER {
-            return (emitted, next);
+            return (found, next);
         }
         let direction = walk.subpath.ray.direction;
         let wi = walk.subpath.local_direction(&point);
         bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         let at = Interaction::new(&point, bsdf, direction);
-        if bsdf.has_smooth() {
+        // Merging is none of the strategies that can be shown alone.
+        if bsdf.has_smooth() && connector.strategies.shows_all() {
+            found += merge(walk, &at);
+        }
+        if bsdf.has_smooth() && connector.strategies.heuristic.connects {
             let lit = if connector.strategies.sample_direct {
                 let u_select = sampler.next_1d();
                 let u = sampler.next_2d();
@@ -229,7 +265,7 @@ impl<'a> Bidirectional<'a> {
         }
         let h = connector.strategies.heuristic;
         let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
-        (emitted, next)
+        (found, next)
     }
 }
 

@@ -21,6 +21,8 @@ pub mod integrator_kind {
     pub const LIGHT_TRACING: u32 = 4;
     /// Progressive photon mapping (`transport/photon/progressive.rs`).
     pub const PROGRESSIVE_PHOTONS: u32 = 16;
+    /// Vertex connection and merging, or vertex merging alone (`transport/photon/merging.rs`).
+    pub const VERTEX_MERGING: u32 = 17;
 }
 
 /// How an algorithm renders: what all share, and the blocks of each.
@@ -92,6 +94,8 @@ pub struct PhotonSettings {
     pub initial_radius: f32,
     /// Roughness from which camera walks gather photons instead of going on.
     pub gather_roughness: f32,
+    /// 1 if vertex merging goes with connections, 0 if it is alone.
+    pub connections: u32,
 }
 
 impl PhotonSettings {
@@ -101,6 +105,7 @@ impl PhotonSettings {
         alpha: OPTIMAL_ALPHA,
         initial_radius: 0.0,
         gather_roughness: 0.15,
+        connections: 1,
     };
 }
 

@@ -22,9 +22,13 @@ impl PhotonArgs {
     /// If another algorithm will run.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         let is_used = self.photons.is_some() || self.radius.is_some();
-        if is_used && scene.settings.kind != integrator_kind::PROGRESSIVE_PHOTONS {
+        let kind = scene.settings.kind;
+        let has_photons =
+            kind == integrator_kind::PROGRESSIVE_PHOTONS || kind == integrator_kind::VERTEX_MERGING;
+        if is_used && !has_photons {
             return Err(
-                "--photons and --radius are for photon mapping (--integrator sppm)".to_string(),
+                "--photons and --radius are for photon mapping (--integrator sppm or vcm)"
+                    .to_string(),
             );
         }
         let own = &mut scene.settings.photon;

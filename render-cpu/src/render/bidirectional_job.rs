@@ -10,12 +10,13 @@ use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Bsdf;
 use halflight_kernel::math::Rgb;
 use halflight_kernel::path::visibility::contribution_transmittance;
-use halflight_kernel::path::{Contribution, PathVertex, Walk};
+use halflight_kernel::path::{Contribution, Interaction, PathVertex, Walk};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::emitter::emission::EmissionSample;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::scene::{HitBatch, NONE, RayBatch, SceneView, scene_flag};
 use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
+use halflight_kernel::transport::photon::merging::{PassPhotons, merge};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
 /// The vertices of all light walks of a tile.
@@ -102,11 +103,13 @@ impl BidirectionalWorkspace {
         }
     }
 
-    /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held.
+    /// Takes the samples of a tile, at most [`RAYS`], among photons to merge if there are any; what they give replaces what
+    /// `out` held.
     pub fn run<T: Traverse, S: LaneSampler>(
         &mut self,
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
+        photons: Option<&PassPhotons<'_>>,
         samples: &mut [TileSample<S>],
         out: &mut TileSamples,
     ) {
@@ -117,10 +120,13 @@ impl BidirectionalWorkspace {
         if settings.rules.max_depth == 0 {
             return;
         }
-        let algorithm = Bidirectional::new(&view.tables, settings);
+        let mut algorithm = Bidirectional::new(&view.tables, settings);
+        if let Some(photons) = photons {
+            algorithm = algorithm.merging(photons.radius, photons.emitted);
+        }
         self.trace_light(view, settings, &algorithm, samples, out);
         if algorithm.has_camera_walks {
-            self.trace_cameras(view, settings, &algorithm, samples, out);
+            self.trace_cameras(view, settings, &algorithm, photons, samples, out);
         }
         for (radiance, weight) in out.radiance.iter_mut().zip(&self.weights) {
             *radiance *= *weight;
@@ -139,6 +145,12 @@ impl BidirectionalWorkspace {
         self.starts.clear();
         self.last.clear();
         self.vertices.clear();
+        if !algorithm.connector.strategies.heuristic.connects {
+            // Photons are all the light there is.
+            self.starts.resize(samples.len(), EmissionSample::NONE);
+            self.last.resize(samples.len(), NONE);
+            return;
+        }
         for (i, sample) in samples.iter_mut().enumerate() {
             let start = algorithm.emit(&mut sample.light);
             self.walks.push(Walk::from_emitter(&start), start.is_some());
@@ -171,9 +183,15 @@ impl BidirectionalWorkspace {
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
         algorithm: &Bidirectional<'_>,
+        photons: Option<&PassPhotons<'_>>,
         samples: &mut [TileSample<S>],
         out: &mut TileSamples,
     ) {
+        let connector = &algorithm.connector;
+        let merge = |walk: &Walk, at: &Interaction<'_>| match photons {
+            Some(photons) => merge(connector, photons, walk, at),
+            None => Vec3::ZERO,
+        };
         self.walks.clear();
         self.weights.clear();
         for sample in samples.iter_mut() {
@@ -185,7 +203,7 @@ impl BidirectionalWorkspace {
             let shadows = &mut self.shadows;
             let [bsdf, light_bsdf] = &mut *self.bsdf;
             self.walks.bounce(view, |i, walk, hit| {
-                let (found, next) = algorithm.camera_bounce(
+                let (found, next) = algorithm.camera_bounce_merging(
                     walk,
                     &mut samples[i].camera,
                     hit,
@@ -194,6 +212,7 @@ impl BidirectionalWorkspace {
                     &self.vertices,
                     self.last[i],
                     &self.starts[i],
+                    merge,
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
                 );
                 out.radiance[i] += found;

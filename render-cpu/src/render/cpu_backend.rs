@@ -144,7 +144,9 @@ pub enum Shape {
 /// The driver of each kind of integrator.
 pub fn shape(kind: u32) -> Shape {
     match kind {
-        integrator_kind::BIDIRECTIONAL | integrator_kind::LIGHT_TRACING => Shape::Splats,
+        integrator_kind::BIDIRECTIONAL
+        | integrator_kind::LIGHT_TRACING
+        | integrator_kind::VERTEX_MERGING => Shape::Splats,
         integrator_kind::PROGRESSIVE_PHOTONS => Shape::Passes,
         _ => Shape::Pixels,
     }

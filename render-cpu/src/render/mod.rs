@@ -12,6 +12,7 @@ mod options;
 mod passes;
 mod photon_cache;
 mod photon_job;
+mod photon_pass;
 pub mod progress;
 pub mod record;
 pub mod run_loop;

@@ -7,25 +7,21 @@
 use super::backend::PassEnd;
 use super::bidirectional_job::TileSamples;
 use super::options::RenderOptions;
-use super::photon_cache::{PhotonList, SortedPhotons};
-use super::photon_job::{PassPhotons, PhotonWorkspace, WALKS};
+use super::photon_pass::{Idle, PhotonPass};
 use super::splatting::{pixel, tile_samples, tiles};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
-use halflight_kernel::sampler::{LaneSampler, mix};
+use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::IntegratorSettings;
-use halflight_kernel::transport::photon::progressive::Progressive;
+use halflight_kernel::transport::photon::merging::PassPhotons;
+use halflight_kernel::transport::photon::progressive::{Progressive, pass_radius};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-use std::sync::{Mutex, PoisonError};
 
 /// Side of the square of pixels whose camera walks are traced together.
 const TILE: u32 = 32;
-
-/// Turns the seed of camera walks into that of photons.
-const PHOTON_STREAM: u32 = 0x51ed_270b;
 
 /// Adds `passes` samples to every pixel of the film, or fewer when it is to stop; a pass that is not complete is dropped.
 pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
@@ -37,7 +33,7 @@ pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
     new: impl Fn(u32, u32, u32) -> S + Sync,
     stop: &Stop<'_>,
 ) -> PassEnd {
-    let idle = Idle(Mutex::new(Vec::new()));
+    let idle = Idle::new();
     for taken in 0..passes {
         if taken > 0 && stop.is_set() {
             return PassEnd::Cut;
@@ -56,21 +52,6 @@ pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
         }
     }
     PassEnd::Complete
-}
-
-/// Workspaces that no thread uses.
-struct Idle(Mutex<Vec<PhotonWorkspace>>);
-
-impl Idle {
-    /// Calls `work` with one of them.
-    fn with<R>(&self, work: impl FnOnce(&mut PhotonWorkspace) -> R) -> R {
-        let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let workspace = lock().pop();
-        let mut workspace = workspace.unwrap_or_else(PhotonWorkspace::new);
-        let result = work(&mut workspace);
-        lock().push(workspace);
-        result
-    }
 }
 
 /// A pass.
@@ -92,12 +73,17 @@ impl<T: Traverse + Sync> Pass<'_, T> {
     ) -> Option<()> {
         let (view, settings) = (self.view, self.settings);
         let algorithm = Progressive::new(&view.tables, settings);
-        let lists = self.trace_photons(&algorithm, new)?;
-        let sorted = SortedPhotons::new(&lists);
-        drop(lists);
+        let photons = PhotonPass {
+            view,
+            tracer: algorithm.tracer(),
+            emitted: settings.photon.photon_count,
+            seed: self.seed,
+            index: self.index,
+        };
+        let sorted = photons.trace(self.idle, self.stop, new)?;
         let photons = PassPhotons {
             cache: sorted.view(),
-            radius: Progressive::radius(&view.tables, settings, self.index),
+            radius: pass_radius(&view.tables, settings, self.index),
             emitted: settings.photon.photon_count,
         };
         let taken: Option<Vec<TileSamples>> = tiles(film, TILE)
@@ -131,32 +117,5 @@ impl<T: Traverse + Sync> Pass<'_, T> {
             }
         });
         Some(())
-    }
-
-    /// The photons, by light walks. Their numbers are one sequence over the walks, so that a sampler with well-spread points
-    /// spreads the photons of a pass.
-    fn trace_photons<S: LaneSampler + Send>(
-        &self,
-        algorithm: &Progressive<'_>,
-        new: &(impl Fn(u32, u32, u32) -> S + Sync),
-    ) -> Option<Vec<PhotonList>> {
-        let seed = mix(self.seed ^ PHOTON_STREAM);
-        let emitted = self.settings.photon.photon_count;
-        (0..emitted.div_ceil(WALKS))
-            .into_par_iter()
-            .map(|batch| {
-                if self.stop.is_urgent() {
-                    return None;
-                }
-                let first = batch * WALKS;
-                let mut samplers: Vec<S> = (first..emitted.min(first + WALKS))
-                    .map(|walk| new(seed, self.index, walk))
-                    .collect();
-                let trace = |workspace: &mut PhotonWorkspace| {
-                    workspace.trace_photons(self.view, algorithm, &mut samplers)
-                };
-                Some(self.idle.with(trace))
-            })
-            .collect()
     }
 }

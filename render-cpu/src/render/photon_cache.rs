@@ -9,7 +9,7 @@
 
 use glam::Vec3;
 use halflight_kernel::transport::photon::cache::{LEVELS, Photon, PhotonCache, PhotonGrid};
-use halflight_kernel::transport::photon::progressive::PhotonStore;
+use halflight_kernel::transport::photon::tracing::PhotonStore;
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator,
 };

@@ -11,23 +11,13 @@ use halflight_kernel::path::Walk;
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::photon::cache::PhotonCache;
+use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::Progressive;
+use halflight_kernel::transport::photon::tracing::PhotonTracer;
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
 /// Light walks that are traced together.
 pub(super) const WALKS: u32 = RAYS as u32;
-
-/// The photons of a pass and how they are gathered.
-#[derive(Clone, Copy)]
-pub(super) struct PassPhotons<'a> {
-    /// The photons.
-    pub cache: PhotonCache<'a>,
-    /// Radius within which they are gathered.
-    pub radius: f32,
-    /// Light walks of the pass.
-    pub emitted: u32,
-}
 
 /// What a thread needs for its share of a pass.
 pub(super) struct PhotonWorkspace {
@@ -52,19 +42,19 @@ impl PhotonWorkspace {
     pub fn trace_photons<T: Traverse, S: LaneSampler>(
         &mut self,
         view: &SceneView<'_, T>,
-        algorithm: &Progressive<'_>,
+        tracer: &PhotonTracer<'_>,
         samplers: &mut [S],
     ) -> PhotonList {
         let mut list = PhotonList::default();
         self.walks.clear();
         for sampler in samplers.iter_mut() {
-            let start = algorithm.emit(sampler);
+            let start = tracer.emit(sampler);
             self.walks.push(Walk::from_emitter(&start), start.is_some());
         }
         while !self.walks.is_done() {
             let bsdf = &mut *self.bsdf;
             self.walks.bounce(view, |i, walk, hit| {
-                algorithm.light_bounce(walk, &mut samplers[i], hit, bsdf, &mut list)
+                tracer.light_bounce(walk, &mut samplers[i], hit, bsdf, &mut list)
             });
         }
         list

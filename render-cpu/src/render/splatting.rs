@@ -10,6 +10,8 @@
 use super::backend::PassEnd;
 use super::bidirectional_job::{BidirectionalWorkspace, TileSample, TileSamples};
 use super::options::RenderOptions;
+use super::photon_cache::SortedPhotons;
+use super::photon_pass::{Idle, PhotonPass};
 use super::splat::{Splat, SplatFilter};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
@@ -18,7 +20,10 @@ use glam::Vec3;
 use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::bidirectional::Bidirectional;
+use halflight_kernel::transport::photon::merging::{PassPhotons, merging_tracer};
+use halflight_kernel::transport::photon::progressive::pass_radius;
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::slice::ParallelSliceMut;
 use std::sync::{Mutex, PoisonError};
@@ -31,6 +36,9 @@ const BAND: u32 = 32;
 
 /// Tiles that are taken before their splats are added. Which tiles decides how sums round, so it depends on the film alone.
 const TILES_AT_A_TIME: usize = 256;
+
+/// Light walks of layers that are taken together, where their photons are merged.
+const PHOTONS_AT_A_TIME: u32 = 1 << 18;
 
 /// Turns the seed of camera walks into that of light walks.
 const LIGHT_STREAM: u32 = 0x3c6e_f35f;
@@ -46,7 +54,12 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     stop: &Stop<'_>,
 ) -> PassEnd {
     let tiles = tiles(film, TILE);
-    let together = (TILES_AT_A_TIME / tiles.len()).clamp(1, 64) as u32;
+    let mut together = (TILES_AT_A_TIME / tiles.len()).clamp(1, 64) as u32;
+    let merges = settings.kind == integrator_kind::VERTEX_MERGING;
+    if merges {
+        together = together.min((PHOTONS_AT_A_TIME / settings.photon.photon_count).max(1));
+    }
+    let idle_tracers = Idle::new();
     let filter = SplatFilter::new(&view.tables.camera);
     let idle = Mutex::new(Vec::new());
     let mut sums = vec![[0.0; 3]; film.statistics().len()];
@@ -55,6 +68,15 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         let count = together.min(layers - done);
         let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
         let tasks = count as usize * tiles.len();
+        let layers_photons: Option<Vec<SortedPhotons>> = (0..if merges { count } else { 0 })
+            .map(|layer| {
+                let layer = first.wrapping_add(layer);
+                trace_photons(view, settings, options, layer, &idle_tracers, stop, &new)
+            })
+            .collect();
+        let Some(layers_photons) = layers_photons else {
+            return PassEnd::Cut;
+        };
         for from in (0..tasks).step_by(TILES_AT_A_TIME) {
             // Several layers at once have no more tasks than fit.
             let to = tasks.min(from + TILES_AT_A_TIME);
@@ -67,11 +89,17 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
                     let workspace = lock().pop();
                     let mut workspace = workspace.unwrap_or_else(BidirectionalWorkspace::new);
-                    let layer = first.wrapping_add((task / tiles.len()) as u32);
+                    let in_group = task / tiles.len();
+                    let layer = first.wrapping_add(in_group as u32);
+                    let photons = layers_photons.get(in_group).map(|sorted| PassPhotons {
+                        cache: sorted.view(),
+                        radius: pass_radius(&view.tables, settings, layer),
+                        emitted: settings.photon.photon_count,
+                    });
                     let tile = tiles[task % tiles.len()];
                     let mut samples = tile_samples(view, options.seed, layer, tile, &new);
                     let mut out = TileSamples::default();
-                    workspace.run(view, settings, &mut samples, &mut out);
+                    workspace.run(view, settings, photons.as_ref(), &mut samples, &mut out);
                     lock().push(workspace);
                     Some(TaskResult::new(tile, out, &filter, film.height()))
                 })
@@ -102,6 +130,29 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         }
     }
     PassEnd::Complete
+}
+
+/// The photons that a layer merges.
+fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    options: &RenderOptions,
+    layer: u32,
+    idle: &Idle,
+    stop: &Stop<'_>,
+    new: &(impl Fn(u32, u32, u32) -> S + Sync),
+) -> Option<SortedPhotons> {
+    let emitted = settings.photon.photon_count;
+    let radius = pass_radius(&view.tables, settings, layer);
+    let algorithm = Bidirectional::new(&view.tables, settings).merging(radius, emitted);
+    let photons = PhotonPass {
+        view,
+        tracer: merging_tracer(&algorithm.connector),
+        emitted,
+        seed: options.seed,
+        index: layer,
+    };
+    photons.trace(idle, stop, new)
 }
 
 /// A rectangle of pixels of the window: its first pixel and its size.

@@ -219,7 +219,7 @@ fn roulette_undoes_the_scaling_of_refracted_radiance() {
                 one: vec![0.999, number],
                 two: Vec2::splat(0.5),
             };
-            let h = Heuristic { is_power: true };
+            let h = Heuristic::POWER;
             assert_eq!(walk.scatter(tables, &rules, h, &mut numbers, &at), next);
             assert!(
                 (walk.subpath.eta - 2.0).abs() < 1e-3,
@@ -255,7 +255,7 @@ fn strict_normals_end_walks_that_sample_a_direction_through_the_surface() {
                 one: vec![0.5],
                 two: Vec2::splat(0.5),
             };
-            let h = Heuristic { is_power: true };
+            let h = Heuristic::POWER;
             assert_eq!(walk.scatter(tables, &rules, h, &mut numbers, &at), next);
             // The same of path tracing.
             let mut path = halflight_kernel::transport::path::Path::new(&ray);

@@ -11,6 +11,7 @@ use halflight_kernel::scene::emitter::emission::{self, EmissionSample};
 use halflight_kernel::scene::{NONE, SurfacePoint, Tables, camera};
 use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
 use halflight_kernel::transport::camera_ray;
+use halflight_kernel::transport::photon::merging::{merging_share, merging_weight};
 use halflight_kernel::transport::settings::integrator_kind;
 
 #[derive(Default)]
@@ -40,9 +41,9 @@ fn per_area(from: &SurfacePoint, to: &SurfacePoint) -> f64 {
     f64::from(to.geometric_normal.dot(d.normalize()).abs() / d.length_squared())
 }
 
-/// Densities of the strategies s = 0 ... k of a path of smooth vertices from an area light (the first point) to a pinhole
+/// Densities of the strategies s = 0 ... k of a path, and of merging at its vertices 1 ... k - 1 with `eta` photons per density, of smooth vertices from an area light (the first point) to a pinhole
 /// (the last).
-fn densities(tables: &Tables<'_>, path: &[SurfacePoint]) -> Vec<f64> {
+fn densities(tables: &Tables<'_>, path: &[SurfacePoint], eta: f64) -> Vec<f64> {
     let k = path.len() - 1;
     let direction = (path[1].position - path[0].position).normalize();
     let emitted = emission::density(tables, path[0].emitter, &path[0], direction);
@@ -67,7 +68,7 @@ fn densities(tables: &Tables<'_>, path: &[SurfacePoint]) -> Vec<f64> {
     }
     let direct = f64::from(emitter::pdf_direct(tables, path[1].position, &path[0]))
         * per_area(&path[1], &path[0]);
-    (0..=k)
+    let connected: Vec<f64> = (0..=k)
         .map(|s| {
             let start = match s {
                 0 => 1.0,
@@ -77,7 +78,13 @@ fn densities(tables: &Tables<'_>, path: &[SurfacePoint]) -> Vec<f64> {
             let light: f64 = forward[..s].iter().skip(1).product();
             start * light * reverse[s..].iter().product::<f64>()
         })
-        .collect()
+        .collect();
+    // Sampled from both ends: light walks emit their first vertex, whatever next event estimation would do.
+    let merged = (1..k).map(|i| {
+        let light: f64 = forward[..=i].iter().product();
+        eta * light * reverse[i..].iter().product::<f64>()
+    });
+    connected.iter().copied().chain(merged).collect()
 }
 
 /// The share of a strategy by the power or balance heuristic.
@@ -94,11 +101,11 @@ fn weight(make: impl Fn(bool) -> Contribution) -> Option<f64> {
 }
 
 /// The weights of all strategies that complete the subpaths of some samples.
-fn check(scene: &Scene, samples: u32, is_power: bool) -> u32 {
+fn check(scene: &Scene, samples: u32, is_power: bool, photons: (f32, u32)) -> u32 {
     let mut checked = 0;
     with_view(scene, |view| {
         for sample in 0..samples {
-            checked += check_sample(view, scene, sample, is_power);
+            checked += check_sample(view, scene, sample, is_power, photons);
         }
     });
     checked
@@ -111,14 +118,21 @@ struct CameraVertex {
     bsdf: Bsdf,
 }
 
-fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> u32 {
+fn check_sample(
+    view: &View<'_>,
+    scene: &Scene,
+    sample: u32,
+    is_power: bool,
+    (radius, emitted): (f32, u32),
+) -> u32 {
+    let eta = f64::from(merging_share(radius, emitted));
     let tables = &view.tables;
     let mut settings = scene.settings;
     settings.kind = integrator_kind::BIDIRECTIONAL;
     settings.rules.max_depth = 7;
     settings.rules.rr_depth = 100;
     settings.bidirectional.power_heuristic = is_power.into();
-    let algorithm = Bidirectional::new(tables, &settings);
+    let algorithm = Bidirectional::new(tables, &settings).merging(radius, emitted);
     let connector = |unweighted: bool| {
         let mut strategies = algorithm.connector.strategies;
         strategies.unweighted = unweighted;
@@ -144,7 +158,7 @@ fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> 
         if let Some(found) = found
             && !is_short
         {
-            let p = densities(tables, path);
+            let p = densities(tables, path, eta);
             let expected = reference(&p, s, is_power);
             assert!(
                 (found - expected).abs() < 1e-3 * expected + 1e-5,
@@ -174,6 +188,33 @@ fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> 
             whole.extend(cameras[..=j].iter().rev().map(|c| c.point));
             whole.push(lens);
             compare(joined, &whole, i + 2);
+            // The same path, merged at the camera's vertex by a light walk that had been scattered there.
+            let between = other.point.position - end.at.point.position;
+            let direction = between.normalize();
+            let rules = &connector(false).rules;
+            let sent = end.at.evaluate(tables, rules, mode::IMPORTANCE, direction);
+            let cosines =
+                [end.at.point, &other.point].map(|p| p.geometric_normal.dot(direction).abs());
+            let h = connector(false).strategies.heuristic;
+            let photon = end
+                .weights
+                .scatter(h, sent.pdf, sent.pdf_reverse, cosines[0])
+                .arrive(h, between.length_squared(), cosines[1]);
+            if sent.is_some() {
+                let seen = at.evaluate(tables, rules, mode::RADIANCE, -direction);
+                let weight = seen.is_some().then(|| {
+                    let w = merging_weight(
+                        &connector(false),
+                        photon,
+                        &other.walk,
+                        seen.pdf,
+                        seen.pdf_reverse,
+                    );
+                    f64::from(w)
+                });
+                let k = whole.len() - 1;
+                compare(weight.filter(|_| eta > 0.0), &whole, k + 1 + (i + 2) - 1);
+            }
         }
     }
     for (j, vertex) in cameras.iter().enumerate() {
@@ -190,6 +231,29 @@ fn check_sample(view: &View<'_>, scene: &Scene, sample: u32, is_power: bool) -> 
         path.extend(cameras[..=j].iter().rev().map(|c| c.point));
         path.push(lens);
         compare(lit, &path, 1);
+        // Light straight from a point of the emitter, merged.
+        let direction = (vertex.point.position - point.position).normalize();
+        let emission = EmissionSample {
+            ray: point.spawn(direction),
+            point,
+            ..start
+        };
+        let mut photon = Walk::from_emitter(&emission);
+        let rules = &connector(false).rules;
+        photon.update_weights(tables, rules, &connector(false).strategies, &vertex.point);
+        let seen = at.evaluate(tables, rules, mode::RADIANCE, -direction);
+        let is_lit = seen.is_some() && point.frame.n.dot(direction) > 0.0;
+        let merged = is_lit.then(|| {
+            let w = merging_weight(
+                &connector(false),
+                photon.arrived,
+                &vertex.walk,
+                seen.pdf,
+                seen.pdf_reverse,
+            );
+            f64::from(w)
+        });
+        compare(merged.filter(|_| eta > 0.0), &path, path.len());
         let emitted = weight(|plain| Contribution {
             value: connector(plain).emitted(&vertex.walk, &vertex.point),
             ..Contribution::NONE
@@ -272,9 +336,14 @@ fn weights_are_those_of_the_densities() {
         r#"<bsdf type="roughplastic"><float name="alpha" value="0.2"/></bsdf>"#,
     ];
     for material in materials {
-        for is_power in [false, true] {
+        for (is_power, photons) in [
+            (false, (0.0, 0)),
+            (true, (0.0, 0)),
+            (false, (0.05, 1000)),
+            (true, (0.02, 1000)),
+        ] {
             let scene = scene(&format!("{PINHOLE}{LAMP}{}", room(material)), &[]);
-            let checked = check(&scene, 2000, is_power);
+            let checked = check(&scene, 2000, is_power, photons);
             assert!(checked > 5000, "{checked} weights");
         }
     }

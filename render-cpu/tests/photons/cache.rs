@@ -3,7 +3,8 @@
 use glam::Vec3;
 use halflight::render::{PhotonList, SortedPhotons};
 use halflight_kernel::transport::photon::cache::{Photon, PhotonQuery};
-use halflight_kernel::transport::photon::progressive::{PhotonStore, for_photons_within};
+use halflight_kernel::transport::photon::estimate::for_photons_within;
+use halflight_kernel::transport::photon::tracing::PhotonStore;
 use proptest::prelude::*;
 
 /// Photon number `i`, told apart by its depth.

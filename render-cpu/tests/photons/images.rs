@@ -1,6 +1,7 @@
 //! Images of photon mapping against what is known of them, and against path tracing where that finds the light.
 
 use crate::scenes::{CAMERA, film, integrator, mean, scene};
+use halflight::film::Film;
 
 /// A floor of a material, lit by a point light.
 fn floor(material: &str) -> String {
@@ -25,6 +26,23 @@ const GLOSSY: &str = r#"<bsdf type="roughconductor"><string name="material" valu
 const ROUGH: &str = r#"<bsdf type="roughconductor"><string name="material" value="none"/>
     <float name="alpha" value="0.4"/></bsdf>"#;
 
+/// Insists that pixels are as expected within 5 standard errors and the two percent of what the radius blurs.
+fn expect_pixels(what: &str, film: &Film, expected: &[[f64; 3]]) {
+    for (i, (found, expected)) in film.mean().iter().zip(expected).enumerate() {
+        let variance = film.statistics()[i].variance_of_mean();
+        for c in 0..3 {
+            let tolerance = 5.0 * variance[c].sqrt() + 0.02 * expected[c];
+            assert!(
+                (found[c] - expected[c]).abs() < tolerance,
+                "{what}, pixel {i}, channel {c}: {} instead of {} +- {}",
+                found[c],
+                expected[c],
+                variance[c].sqrt()
+            );
+        }
+    }
+}
+
 /// A point light by way of a mirror is light that only photons find: on rough surfaces, where walks gather, and on glossy ones,
 /// where they go on. It is that of a light behind the mirror, which next event estimation knows.
 #[test]
@@ -37,25 +55,17 @@ fn light_by_way_of_a_mirror_is_that_of_its_image() {
         );
         let expected = film(&known, 1, 0, 256).mean();
         let photons = [depth, ("photon_count", 200_000.0), ("initial_radius", 0.06)];
-        let mirrored = scene(&integrator("sppm", &photons), &(floor(material) + MIRROR));
-        let film = film(&mirrored, 7, 0, 24);
-        for (i, (found, expected)) in film.mean().iter().zip(&expected).enumerate() {
-            let variance = film.statistics()[i].variance_of_mean();
-            for c in 0..3 {
-                // The radius blurs what is left of the curvature, a percent or two.
-                let tolerance = 5.0 * variance[c].sqrt() + 0.02 * expected[c];
-                assert!(
-                    (found[c] - expected[c]).abs() < tolerance,
-                    "{name}, pixel {i}, channel {c}: {} instead of {} +- {}",
-                    found[c],
-                    expected[c],
-                    variance[c].sqrt()
-                );
-            }
+        for plugin in ["sppm", "vcm", "vm"] {
+            let mirrored = scene(&integrator(plugin, &photons), &(floor(material) + MIRROR));
+            expect_pixels(
+                &format!("{plugin}, {name}"),
+                &film(&mirrored, 7, 0, 20),
+                &expected,
+            );
         }
         // The test can tell: without the mirror a good part of the light is missing.
         let alone = scene(&integrator("path", &[depth]), &floor(material));
-        let without = crate::scenes::film(&alone, 1, 0, 64).mean();
+        let without = film(&alone, 1, 0, 64).mean();
         let sum = |pixels: &[[f64; 3]]| pixels.iter().map(|p| p[0]).sum::<f64>();
         assert!(sum(&without) < 0.9 * sum(&expected), "{name}");
     }
@@ -100,21 +110,28 @@ fn mean_is_that_of_path_tracing() {
     let depth = ("max_depth", 6.0);
     let traced = scene(&integrator("path", &[depth]), &room());
     let (expected, error) = mean(&traced, 100, 8, 512);
-    for gather_roughness in [0.01, 0.15, 0.5] {
+    let algorithms = [
+        ("sppm", 0.01),
+        ("sppm", 0.15),
+        ("sppm", 0.5),
+        ("vcm", 0.0),
+        ("vm", 0.0),
+    ];
+    for (plugin, gather_roughness) in algorithms {
         let properties = [
             depth,
             ("photon_count", 40_000.0),
             ("initial_radius", 0.03),
             ("gather_roughness", gather_roughness),
         ];
-        let scene = scene(&integrator("sppm", &properties), &room());
-        let (found, noise) = mean(&scene, 3, 8, 24);
+        let scene = scene(&integrator(plugin, &properties), &room());
+        let (found, noise) = mean(&scene, 3, 8, 16);
         for c in 0..3 {
             // The disks at edges miss what lies around the corner: radius over distance between edges.
             let tolerance = 5.0 * (error[c].hypot(noise[c])) + 0.015 * expected[c];
             assert!(
                 (found[c] - expected[c]).abs() < tolerance,
-                "roughness {gather_roughness}, channel {c}: {} +- {} instead of {} +- {}",
+                "{plugin}, roughness {gather_roughness}, channel {c}: {} +- {} instead of {} +- {}",
                 found[c],
                 noise[c],
                 expected[c],
@@ -122,4 +139,17 @@ fn mean_is_that_of_path_tracing() {
             );
         }
     }
+}
+
+/// With nothing to merge, vertex connection and merging is bidirectional path tracing, to the bit.
+#[test]
+fn without_a_radius_it_is_bidirectional() {
+    let connected = scene(&integrator("bdpt", &[("max_depth", 6.0)]), &room());
+    let properties = [
+        ("max_depth", 6.0),
+        ("photon_count", 1000.0),
+        ("initial_radius", 1e-12),
+    ];
+    let merged = scene(&integrator("vcm", &properties), &room());
+    assert_eq!(film(&merged, 9, 0, 4), film(&connected, 9, 0, 4));
 }

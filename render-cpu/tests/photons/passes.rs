@@ -28,10 +28,15 @@ fn bits(film: &Film) -> Vec<[u64; 7]> {
 
 #[test]
 fn any_number_of_threads_and_any_cut_give_the_same_bits() {
-    for sampler in ["independent", "sobol"] {
+    for (plugin, sampler) in [
+        ("sppm", "independent"),
+        ("sppm", "sobol"),
+        ("vcm", "independent"),
+        ("vm", "sobol"),
+    ] {
         let content = CONTENT.replace("</film>", &format!("</film><sampler type=\"{sampler}\"/>"));
         let properties = [("photon_count", 5000.0), ("max_depth", 6.0)];
-        let scene = scene(&integrator("sppm", &properties), &content);
+        let scene = scene(&integrator(plugin, &properties), &content);
         let with_threads = |threads: usize, count: u32| {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)

@@ -115,7 +115,7 @@ layouts! {
     direct, DirectSettings { emitter_samples, bsdf_samples }
     occlusion, OcclusionSettings { samples, distance }
     bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted }
-    photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness }
+    photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness, connections }
     constants, SceneConstants { camera, info, settings }
     item, WorkItem { pixel, sample, slot }
     dispatch, Dispatch { count, seed, sampler, first }

@@ -13,6 +13,7 @@
 //! Invariants (tests): a query returns each photon within the radius exactly once, whatever the radius.
 
 use crate::math::vec3;
+use crate::path::PartialWeights;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -41,6 +42,17 @@ pub struct Photon {
     pub d_vc: f32,
     /// Edges from the emitter.
     pub depth: u32,
+}
+
+impl Photon {
+    /// The weights' share of its walk.
+    #[inline]
+    pub fn weights(&self) -> PartialWeights {
+        PartialWeights {
+            d_vcm: self.d_vcm,
+            d_vc: self.d_vc,
+        }
+    }
 }
 
 /// The cube of cells.

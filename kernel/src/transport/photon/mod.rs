@@ -3,6 +3,9 @@
 //! | file | content |
 //! |---|---|
 //! | [`cache`] | photons, sorted to be found |
+//! | [`tracing`] | light walks that leave photons |
+//! | [`estimate`] | the density estimate at a vertex |
+//! | [`merging`] | vertex merging |
 //! | [`progressive`] | progressive photon mapping |
 //! | [`schedule`] | radii that shrink by a fixed rule |
 //! | [`statistics`] | a radius per pixel from its own statistics: bias, variance, Laplacian |
@@ -11,6 +14,9 @@
 //! [`crate::regularize::mollifier`].
 
 pub mod cache;
+pub mod estimate;
+pub mod merging;
 pub mod progressive;
 pub mod schedule;
 pub mod statistics;
+pub mod tracing;

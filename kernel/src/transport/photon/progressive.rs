@@ -9,8 +9,8 @@
 //! r_i = r_1 i^((alpha - 1) / 2)   ([`super::schedule`])
 //! ```
 //!
-//! with T the camera walk's throughput, Phi the photon's, and K the kernel of Epanechnikov ([`KERNEL`]), which has the
-//! least error of all. The image is the mean over the passes. A pass depends on nothing but its index, so passes may be
+//! with T the camera walk's throughput, Phi the photon's, and K the kernel of Epanechnikov ([`super::estimate`]), which
+//! has the least error of all. The image is the mean over the passes. A pass depends on nothing but its index, so passes may be
 //! taken in any order and by anyone.
 //!
 //! What makes a path is decided by its vertices, so that nothing counts twice:
@@ -21,12 +21,13 @@
 //! - a glossy vertex where the walk goes on also gathers the photons that came through discrete events alone from an emitter
 //!   that no ray meets: nothing else finds their paths.
 //!
-//! Photons are counted only where the geometric normals agree within [`LEAST_COSINE`]: others lie around a corner.
 //! Invariants (tests): the mean goes to that of path tracing as the radius shrinks; merging alone of vertex connection and
 //! merging agrees.
 
-use super::cache::{Photon, PhotonCache, PhotonQuery};
+use super::cache::PhotonCache;
+use super::estimate::{KERNEL, for_photons_within, scattered};
 use super::schedule;
+use super::tracing::{PhotonTracer, is_the_only_way};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Rgb, float, vec3};
 use crate::path::rules::step;
@@ -35,26 +36,13 @@ use crate::path::{
 };
 use crate::regularize::mollifier;
 use crate::sampler::Sampler;
-use crate::scene::emitter::emission::{self, EmissionSample};
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, Tables};
 use crate::transport::settings::IntegratorSettings;
 use glam::Vec3;
 
-/// The kernel of the density estimate.
-pub const KERNEL: u32 = mollifier::PARABOLIC;
-
-/// Least cosine between the normals of a photon and of the surface that gathers it.
-pub const LEAST_COSINE: f32 = 0.7;
-
 /// The first radius where none is given, in shares of the scene's radius, one per pixel of the film's longer side.
 const PIXELS_OF_RADIUS: f32 = 5.0;
-
-/// Where photons are kept.
-pub trait PhotonStore {
-    /// Keeps a photon.
-    fn push(&mut self, position: Vec3, photon: &Photon);
-}
 
 /// The radius of the first pass: that of the settings, or as many pixels of the film as Mitsuba 0.6 takes, the scene's
 /// radius spread over the film.
@@ -65,6 +53,12 @@ pub fn first_radius(tables: &Tables<'_>, settings: &IntegratorSettings) -> f32 {
     }
     let [width, height] = tables.camera.film_size;
     PIXELS_OF_RADIUS * tables.info.radius / width.max(height).max(1) as f32
+}
+
+/// The radius of the pass with an index, counted from zero.
+pub fn pass_radius(tables: &Tables<'_>, settings: &IntegratorSettings, pass: u32) -> f32 {
+    let first = first_radius(tables, settings);
+    schedule::radius(first, pass.saturating_add(1), settings.photon.alpha)
 }
 
 /// The algorithm over a scene.
@@ -84,7 +78,7 @@ impl<'a> Progressive<'a> {
                 tables,
                 rules: settings.rules,
                 strategies: Strategies {
-                    heuristic: Heuristic { is_power: false },
+                    heuristic: Heuristic::BALANCE,
                     light_image: false,
                     sample_direct: true,
                     only_s: NONE,
@@ -96,66 +90,13 @@ impl<'a> Progressive<'a> {
         }
     }
 
-    /// The radius of the pass with an index, counted from zero.
-    pub fn radius(tables: &Tables<'_>, settings: &IntegratorSettings, pass: u32) -> f32 {
-        let first = first_radius(tables, settings);
-        schedule::radius(first, pass.saturating_add(1), settings.photon.alpha)
-    }
-
-    /// The ray with which a light walk begins.
-    #[inline]
-    pub fn emit<S: Sampler>(&self, sampler: &mut S) -> EmissionSample {
-        let u_select = sampler.next_1d();
-        let u_position = sampler.next_2d();
-        let u_direction = sampler.next_2d();
-        emission::sample(self.connector.tables, u_select, u_position, u_direction)
-    }
-
-    /// One bounce of a light walk, from what its ray meets to its next ray; keeps the photon where
-    /// a camera walk may gather it. Says what is next, [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
-    pub fn light_bounce<S: Sampler, P: PhotonStore>(
-        &self,
-        walk: &mut Walk,
-        sampler: &mut S,
-        hit: &Hit,
-        bsdf: &mut Bsdf,
-        store: &mut P,
-    ) -> u32 {
-        let connector = &self.connector;
-        let tables = connector.tables;
-        if !hit.is_hit() || !connector.allows_edges(walk.subpath.depth.saturating_add(2)) {
-            return step::END;
+    /// What leaves the photons that [`Progressive::camera_bounce`] gathers.
+    pub fn tracer(&self) -> PhotonTracer<'a> {
+        PhotonTracer {
+            connector: self.connector,
+            least_roughness: self.gather_roughness,
+            keeps_direct: false,
         }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
-        let direction = walk.subpath.ray.direction;
-        let wi = point.frame.to_local(-direction);
-        if !connector.rules.allows(&point, -direction, wi.z) {
-            return step::END;
-        }
-        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        let at = Interaction::new(&point, bsdf, direction);
-        let photon = Photon {
-            direction: direction.to_array(),
-            throughput: walk.subpath.throughput.to_array(),
-            normal: point.geometric_normal.to_array(),
-            d_vcm: walk.arrived.d_vcm,
-            d_vc: walk.arrived.d_vc,
-            depth: walk.subpath.depth + 1,
-        };
-        // Direct light is not gathered.
-        if walk.subpath.depth > 0 && self.may_gather(bsdf, is_the_only_way(&photon)) {
-            store.push(point.position, &photon);
-        }
-        let h = connector.strategies.heuristic;
-        walk.scatter(tables, &connector.rules, h, sampler, &at)
-    }
-
-    /// Whether a camera walk gathers photons at a surface: at rough ones all, at glossy ones those whose paths nothing else
-    /// finds.
-    #[inline]
-    fn may_gather(&self, bsdf: &Bsdf, is_the_only_way: bool) -> bool {
-        bsdf.has_smooth() && (is_the_only_way || bsdf.roughness() >= self.gather_roughness)
     }
 
     /// One bounce of a camera walk among the photons of a pass of `emitted` light walks. `add` takes what may be shadowed;
@@ -192,7 +133,7 @@ impl<'a> Progressive<'a> {
         let wi = walk.subpath.local_direction(&point);
         bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         let at = Interaction::new(&point, bsdf, direction);
-        let is_rough = self.may_gather(bsdf, false);
+        let is_rough = bsdf.has_smooth() && bsdf.roughness() >= self.gather_roughness;
         if bsdf.has_smooth() {
             let u_select = sampler.next_1d();
             let u = sampler.next_2d();
@@ -253,50 +194,3 @@ impl<'a> Progressive<'a> {
         sum
     }
 }
-
-/// Whether no camera walk meets the emitter of the photon's path and no emitter point can be connected: its walk went through
-/// discrete events alone from an emitter that no ray meets, so that its weights have nothing to sum.
-#[inline]
-fn is_the_only_way(photon: &Photon) -> bool {
-    photon.depth > 1 && photon.d_vcm == 0.0 && photon.d_vc == 0.0
-}
-
-/// Calls `visit` with the index and the squared distance of each photon closer than `radius`.
-#[inline]
-pub fn for_photons_within(
-    cache: &PhotonCache<'_>,
-    center: Vec3,
-    radius: f32,
-    mut visit: impl FnMut(u32, f32),
-) {
-    let mut query = PhotonQuery::new(cache, center, radius);
-    let radius2 = radius * radius;
-    while query.advance(cache) {
-        for index in query.start..query.end {
-            let distance2 = (cache.position(index) - center).length_squared();
-            if distance2 < radius2 {
-                visit(index, distance2);
-            }
-        }
-    }
-}
-
-/// What a surface scatters of a photon's flux per area: f |cos_s| / |cos_g|; zero where the photon lies on another surface.
-#[inline]
-pub fn scattered(connector: &Connector<'_>, at: &Interaction<'_>, photon: &Photon) -> Rgb {
-    let point = at.point;
-    let normals = float::abs(point.geometric_normal.dot(vec3(photon.normal)));
-    let towards_light = -vec3(photon.direction);
-    let cosine = float::abs(point.geometric_normal.dot(towards_light));
-    if normals < LEAST_COSINE || !(cosine > LEAST_INCIDENCE) {
-        return Vec3::ZERO;
-    }
-    let wo = point.frame.to_local(towards_light);
-    if !connector.rules.allows(point, towards_light, wo.z) {
-        return Vec3::ZERO;
-    }
-    at.bsdf.eval_cosine(connector.tables.data, at.wi, wo) / cosine
-}
-
-/// Least cosine of incidence: photons along the surface would be divided by nothing.
-const LEAST_INCIDENCE: f32 = 1e-4;

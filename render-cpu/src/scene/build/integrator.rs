@@ -71,9 +71,10 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         "bdpt" => integrator_kind::BIDIRECTIONAL,
         "ptracer" => integrator_kind::LIGHT_TRACING,
         "ppm" | "sppm" => integrator_kind::PROGRESSIVE_PHOTONS,
+        "vcm" | "vm" | "bpm" => integrator_kind::VERTEX_MERGING,
         other if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
-                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, ppm and sppm"
+                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, ppm, sppm, vcm, vm and bpm"
             )));
         }
         other => {
@@ -86,6 +87,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
             integrator_kind::PATH
         }
     };
+    settings.photon.connections = u32::from(name == "vcm");
     if settings.kind == integrator_kind::DIRECT {
         settings.rules.max_depth = settings.rules.max_depth.min(2);
         if settings.direct.emitter_samples + settings.direct.bsdf_samples == 0 {

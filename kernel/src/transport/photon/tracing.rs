@@ -1,0 +1,94 @@
+//! Light walks that leave photons.
+//!
+//! Walks start and scatter as those of bidirectional path tracing; a photon is kept where a camera walk may gather it.
+
+use super::cache::Photon;
+use crate::bsdf::{Bsdf, mode};
+use crate::path::rules::step;
+use crate::path::{Connector, Interaction, Walk};
+use crate::sampler::Sampler;
+use crate::scene::Hit;
+use crate::scene::emitter::emission::{self, EmissionSample};
+use crate::scene::surface::{detail, surface_with};
+use glam::Vec3;
+
+/// Where photons are kept.
+pub trait PhotonStore {
+    /// Keeps a photon.
+    fn push(&mut self, position: Vec3, photon: &Photon);
+}
+
+/// What leaves photons.
+#[derive(Clone, Copy)]
+pub struct PhotonTracer<'a> {
+    /// Rules and weights.
+    pub connector: Connector<'a>,
+    /// Roughness from which surfaces keep photons.
+    pub least_roughness: f32,
+    /// Whether photons are kept that come straight from an emitter.
+    pub keeps_direct: bool,
+}
+
+impl PhotonTracer<'_> {
+    /// The ray with which a light walk begins.
+    #[inline]
+    pub fn emit<S: Sampler>(&self, sampler: &mut S) -> EmissionSample {
+        let u_select = sampler.next_1d();
+        let u_position = sampler.next_2d();
+        let u_direction = sampler.next_2d();
+        emission::sample(self.connector.tables, u_select, u_position, u_direction)
+    }
+
+    /// One bounce of a light walk, from what its ray meets to its next ray; keeps the photon where
+    /// a camera walk may gather it. Says what is next, [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
+    pub fn light_bounce<S: Sampler, P: PhotonStore>(
+        &self,
+        walk: &mut Walk,
+        sampler: &mut S,
+        hit: &Hit,
+        bsdf: &mut Bsdf,
+        store: &mut P,
+    ) -> u32 {
+        let connector = &self.connector;
+        let tables = connector.tables;
+        if !hit.is_hit() || !connector.allows_edges(walk.subpath.depth.saturating_add(2)) {
+            return step::END;
+        }
+        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
+        let next = walk.subpath.arrive(tables, &connector.rules, &point);
+        if next != step::SCATTER {
+            return next;
+        }
+        let direction = walk.subpath.ray.direction;
+        let wi = walk.subpath.local_direction(&point);
+        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
+        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
+        let at = Interaction::new(&point, bsdf, direction);
+        let photon = Photon {
+            direction: direction.to_array(),
+            throughput: walk.subpath.throughput.to_array(),
+            normal: point.geometric_normal.to_array(),
+            d_vcm: walk.arrived.d_vcm,
+            d_vc: walk.arrived.d_vc,
+            depth: walk.subpath.depth + 1,
+        };
+        if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(bsdf, &photon) {
+            store.push(point.position, &photon);
+        }
+        let h = connector.strategies.heuristic;
+        walk.scatter(tables, &connector.rules, h, sampler, &at)
+    }
+
+    /// Whether a camera walk gathers photons at a surface: at rough ones all, at others those whose paths nothing else finds.
+    #[inline]
+    fn may_gather(&self, bsdf: &Bsdf, photon: &Photon) -> bool {
+        bsdf.has_smooth() && (bsdf.roughness() >= self.least_roughness || is_the_only_way(photon))
+    }
+}
+
+/// Whether no camera walk meets the emitter of the photon's path and no emitter point can be connected: its walk went through
+/// discrete events alone from an emitter that no ray meets, so that its weights have nothing to sum.
+#[inline]
+pub fn is_the_only_way(photon: &Photon) -> bool {
+    photon.depth > 1 && photon.d_vcm == 0.0 && photon.d_vc == 0.0
+}

@@ -1,0 +1,77 @@
+//! The photons of a pass, traced and sorted by all threads.
+
+use super::photon_cache::{PhotonList, SortedPhotons};
+use super::photon_job::{PhotonWorkspace, WALKS};
+use super::stop::Stop;
+use halflight_kernel::sampler::{LaneSampler, mix};
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::photon::tracing::PhotonTracer;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::sync::{Mutex, PoisonError};
+
+/// Turns the seed of camera walks into that of photons.
+const PHOTON_STREAM: u32 = 0x51ed_270b;
+
+/// Workspaces that no thread uses.
+pub(super) struct Idle(Mutex<Vec<PhotonWorkspace>>);
+
+impl Idle {
+    /// None yet.
+    pub fn new() -> Idle {
+        Idle(Mutex::new(Vec::new()))
+    }
+
+    /// Calls `work` with one of them.
+    pub fn with<R>(&self, work: impl FnOnce(&mut PhotonWorkspace) -> R) -> R {
+        let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let workspace = lock().pop();
+        let mut workspace = workspace.unwrap_or_else(PhotonWorkspace::new);
+        let result = work(&mut workspace);
+        lock().push(workspace);
+        result
+    }
+}
+
+/// The photons of a pass.
+pub(super) struct PhotonPass<'a, T: Traverse> {
+    /// The scene.
+    pub view: &'a SceneView<'a, T>,
+    /// What leaves them.
+    pub tracer: PhotonTracer<'a>,
+    /// Light walks.
+    pub emitted: u32,
+    /// Seed of the run.
+    pub seed: u32,
+    /// Index of the pass.
+    pub index: u32,
+}
+
+impl<T: Traverse + Sync> PhotonPass<'_, T> {
+    /// Traces and sorts them; nothing if it is to stop. The numbers of the light walks are one sequence, so that a sampler with
+    /// well-spread points spreads the photons of a pass.
+    pub fn trace<S: LaneSampler + Send>(
+        &self,
+        idle: &Idle,
+        stop: &Stop<'_>,
+        new: &(impl Fn(u32, u32, u32) -> S + Sync),
+    ) -> Option<SortedPhotons> {
+        let seed = mix(self.seed ^ PHOTON_STREAM);
+        let lists: Option<Vec<PhotonList>> = (0..self.emitted.div_ceil(WALKS))
+            .into_par_iter()
+            .map(|batch| {
+                if stop.is_urgent() {
+                    return None;
+                }
+                let first = batch * WALKS;
+                let mut samplers: Vec<S> = (first..self.emitted.min(first + WALKS))
+                    .map(|walk| new(seed, self.index, walk))
+                    .collect();
+                Some(idle.with(|workspace| {
+                    workspace.trace_photons(self.view, &self.tracer, &mut samplers)
+                }))
+            })
+            .collect();
+        Some(SortedPhotons::new(&lists?))
+    }
+}

@@ -7,6 +7,7 @@
 //! - [`IndependentSampler`] hashes the counter.
 //! - [`SobolSampler`] takes Owen-scrambled Sobol' points.
 //! - [`AnySampler`] is either of them, as plain data.
+//! - `PrimarySamples` are those of a Metropolis chain (hosts only).
 //!
 //! Invariants (tests): numbers lie in [0, 1) and are uniform (chi-square); neighbouring seeds, pixels, samples and
 //! dimensions are uncorrelated.
@@ -14,11 +15,15 @@
 mod any;
 mod hash;
 mod independent;
+#[cfg(not(target_arch = "spirv"))]
+pub mod primary;
 mod sobol;
 
 pub use any::{AnySampler, sampler_kind};
 pub use hash::{mix, to_unit_interval};
 pub use independent::IndependentSampler;
+#[cfg(not(target_arch = "spirv"))]
+pub use primary::{FreshSamples, PrimarySamples};
 pub use sobol::SobolSampler;
 
 use bytemuck::Zeroable;
@@ -30,6 +35,10 @@ pub trait Sampler {
     fn next_1d(&mut self) -> f32;
     /// The next point in [0, 1)^2, well distributed over the samples of the pixel where the sampler can.
     fn next_2d(&mut self) -> Vec2;
+    /// Says that what follows is of this bounce, counted from zero: a chain keeps the numbers of each bounce together. Others
+    /// do not care.
+    #[inline(always)]
+    fn start_bounce(&mut self, _bounce: u32) {}
 }
 
 /// A sampler that is four words, for lanes side by side.

@@ -299,6 +299,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
         let mut walk = Walk::from_emitter(&start);
         let mut next = step::TRACE;
         while next == step::TRACE {
+            light_sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
             let hit = view.traverse.closest_hit(&walk.subpath.ray);
             next = algorithm.light_bounce(
                 &mut walk,
@@ -317,6 +318,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     let mut walk = Walk::from_sensor(ray);
     let mut next = step::TRACE;
     while next == step::TRACE {
+        camera_sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
         let hit = view.traverse.closest_hit(&walk.subpath.ray);
         let t = walk.subpath.depth + 2;
         let (found, after) = algorithm.camera_bounce(

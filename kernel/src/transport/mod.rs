@@ -12,6 +12,7 @@
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
 //! | [`pixel`] | one sample of a pixel by the algorithm of the settings |
 //! | [`staged`], `wavefront` | path tracing in stages over buffers, and over lanes |
+//! | `markov` | Metropolis chains (hosts only) |
 //! | [`photon`] | radii and statistics of photon mapping |
 //! | [`settings`] | parameters of the algorithms |
 
@@ -21,6 +22,8 @@ pub mod bidirectional;
 pub mod bounce;
 pub mod connection;
 pub mod direct;
+#[cfg(not(target_arch = "spirv"))]
+pub mod markov;
 pub mod path;
 pub mod photon;
 pub mod pixel;

@@ -19,6 +19,8 @@ pub mod integrator_kind {
     pub const BIDIRECTIONAL: u32 = 3;
     /// Light tracing (`transport/bidirectional.rs` without camera subpaths).
     pub const LIGHT_TRACING: u32 = 4;
+    /// Metropolis chains in the space of primary samples (`transport/markov`).
+    pub const PRIMARY_SAMPLE_MLT: u32 = 8;
     /// Progressive photon mapping (`transport/photon/progressive.rs`).
     pub const PROGRESSIVE_PHOTONS: u32 = 16;
     /// Vertex connection and merging, or vertex merging alone (`transport/photon/merging.rs`).
@@ -41,6 +43,8 @@ pub struct IntegratorSettings {
     pub bidirectional: BidirectionalSettings,
     /// Of photon mapping.
     pub photon: PhotonSettings,
+    /// Of Metropolis chains.
+    pub chains: ChainSettings,
 }
 
 /// Parameters of direct illumination.
@@ -61,6 +65,52 @@ pub struct OcclusionSettings {
     pub samples: u32,
     /// Longest distance that occludes, as a fraction of the scene's radius.
     pub distance: f32,
+}
+
+/// Parameters of Metropolis chains.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ChainSettings {
+    /// How paths are made of primary samples: 0 by path tracing, 1 by bidirectional path tracing (Mitsuba 0.6:
+    /// `bidirectional`), 2 by one strategy of it.
+    pub technique: u32,
+    /// Probability of a large step (Mitsuba 0.6: `pLarge`).
+    pub p_large: f32,
+    /// Candidates from which a group estimates the mean of the image and chooses the starts of its chains (Mitsuba 0.6:
+    /// `luminanceSamples`); 0 for one per 16 mutations.
+    pub candidates: u32,
+    /// Chains of a group.
+    pub chains: u32,
+    /// Mutations per pixel of a group; 0 for as few as make 2^20 in all.
+    pub mutations: u32,
+    /// Samples per pixel of a group for direct illumination, which chains then leave out; 0 if chains find all (Mitsuba 0.6:
+    /// `directSamples`).
+    pub direct_samples: u32,
+}
+
+impl ChainSettings {
+    /// Bidirectional, three large steps of ten, all light by chains.
+    pub const DEFAULT: ChainSettings = ChainSettings {
+        technique: 1,
+        p_large: 0.3,
+        candidates: 0,
+        chains: 128,
+        mutations: 0,
+        direct_samples: 0,
+    };
+
+    /// Fewest mutations of a group: enough for its chains to be long and its start-up to be cheap.
+    const LEAST: u32 = 1 << 20;
+
+    /// Mutations per pixel of a group for an image of so many pixels.
+    #[inline]
+    pub fn mutations_per_pixel(&self, pixels: u32) -> u32 {
+        if self.mutations > 0 {
+            self.mutations
+        } else {
+            Self::LEAST.div_ceil(pixels.max(1))
+        }
+    }
 }
 
 /// Parameters of the algorithms that trace subpaths from emitters.
@@ -136,5 +186,6 @@ impl IntegratorSettings {
         },
         bidirectional: BidirectionalSettings::DEFAULT,
         photon: PhotonSettings::DEFAULT,
+        chains: ChainSettings::DEFAULT,
     };
 }

@@ -7,7 +7,9 @@ use crate::accel::Accel;
 use crate::film::Film;
 use crate::processor::set_threads;
 use crate::render::progress::ProgressReport;
-use crate::render::{Observer, Outcome, RenderOptions, RunState, Shape, render, shape};
+use crate::render::{
+    MutationsPerPixel, Observer, Outcome, RenderOptions, RunState, Shape, render, shape,
+};
 use crate::scene::build::Scene;
 use std::error::Error;
 use std::process::ExitCode;
@@ -86,11 +88,12 @@ pub fn run_with(
         start.elapsed().as_secs_f64()
     );
 
-    let options = args.options(&scene);
+    let mutations = MutationsPerPixel::of(&scene);
+    let options = mutations.groups(&args.options(&scene))?;
     let (mut film, mut state, checkpoint) = args.begin(&scene, &options)?;
     let stop = interrupt::request(quiet);
     let mut observer = RunObserver {
-        report: ProgressReport::new(options.goal, state, quiet),
+        report: ProgressReport::new(options.goal, state, quiet).with_unit(mutations),
         checkpoint,
     };
     let outcome = render(
@@ -142,13 +145,13 @@ pub fn run_with(
         }
         Ok(Outcome::Finished) => {
             if !quiet {
-                args.report(&output, &film, &state);
+                args.report(&output, &film, &state, mutations);
             }
             Ok(ExitCode::SUCCESS)
         }
         Ok(Outcome::Interrupted) => {
             if !quiet {
-                args.report(&output, &film, &state);
+                args.report(&output, &film, &state, mutations);
                 args.report_interruption(observer.checkpoint.is_some());
             }
             Ok(ExitCode::from(EXIT_INTERRUPTED))

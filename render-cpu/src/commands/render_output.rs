@@ -6,7 +6,7 @@ use crate::film::Film;
 use crate::image::exr_output::{LayeredImage, write_exr};
 use crate::image::png_output::write_png;
 use crate::render::record::image_metadata;
-use crate::render::{RenderOptions, RunState};
+use crate::render::{MutationsPerPixel, RenderOptions, RunState};
 use crate::say::note;
 use crate::scene::build::Scene;
 use std::error::Error;
@@ -83,13 +83,20 @@ impl RenderArgs {
     }
 
     /// The last line of a run: where the image is and what it took.
-    pub(super) fn report(&self, output: &Path, film: &Film, state: &RunState) {
-        let samples = film.mean_samples();
+    pub(super) fn report(
+        &self,
+        output: &Path,
+        film: &Film,
+        state: &RunState,
+        unit: MutationsPerPixel,
+    ) {
+        let samples = film.mean_samples() * f64::from(unit.0);
         let digits = if samples.fract() == 0.0 { 0 } else { 2 };
         note(format_args!(
-            "{}{}: {samples:.digits$} samples per pixel in {:.1} s",
+            "{}{}: {samples:.digits$} {} per pixel in {:.1} s",
             output.display(),
             if self.no_png { "" } else { " and .png" },
+            if unit.0 > 1 { "mutations" } else { "samples" },
             state.seconds
         ));
     }

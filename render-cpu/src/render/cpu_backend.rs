@@ -1,6 +1,7 @@
 //! Samples taken by all threads of the processor: a pass cut into tiles of the film.
 
 use super::backend::{Backend, PassEnd, PassError};
+use super::chains::render_groups;
 use super::options::{Outcome, RenderOptions, RunState};
 use super::passes::render_passes;
 use super::run_loop::{NoObserver, Observer, render_with};
@@ -105,7 +106,7 @@ impl Backend for CpuBackend<'_> {
                     &view, settings, kind, options, film, per_pixel, counts, stop,
                 )
             }
-            Shape::Splats | Shape::Passes if counts.is_some() => {
+            Shape::Splats | Shape::Passes | Shape::Chains if counts.is_some() => {
                 return Err(
                     "samples cannot go where the error is when pixels share their light".into(),
                 );
@@ -126,6 +127,7 @@ impl Backend for CpuBackend<'_> {
                 let new = IndependentSampler::new;
                 render_layers(&view, settings, options, film, per_pixel, new, stop)
             }
+            Shape::Chains => render_groups(&view, settings, options, film, per_pixel, stop),
         })
     }
 }
@@ -139,6 +141,8 @@ pub enum Shape {
     Splats,
     /// Samples of all pixels are taken in passes over what light walks left.
     Passes,
+    /// A sample of all pixels is what a group of Markov chains finds.
+    Chains,
 }
 
 /// The driver of each kind of integrator.
@@ -148,6 +152,7 @@ pub fn shape(kind: u32) -> Shape {
         | integrator_kind::LIGHT_TRACING
         | integrator_kind::VERTEX_MERGING => Shape::Splats,
         integrator_kind::PROGRESSIVE_PHOTONS => Shape::Passes,
+        integrator_kind::PRIMARY_SAMPLE_MLT => Shape::Chains,
         _ => Shape::Pixels,
     }
 }

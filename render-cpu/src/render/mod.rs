@@ -5,6 +5,7 @@
 
 mod backend;
 mod bidirectional_job;
+mod chains;
 mod checkpoint_file;
 mod cpu_backend;
 mod lockstep_walks;
@@ -23,6 +24,7 @@ mod strategy_films;
 mod tile_job;
 
 pub use backend::{Backend, PassEnd, PassError};
+pub use chains::MutationsPerPixel;
 pub use checkpoint_file::CheckpointFile;
 pub use cpu_backend::{CpuBackend, Shape, render, render_film, shape};
 pub use options::{Goal, Outcome, RenderOptions, RunState};

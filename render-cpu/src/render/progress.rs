@@ -1,5 +1,6 @@
 //! Progress of a run: a bar on a terminal, plain lines elsewhere, no output with `--quiet`.
 
+use super::chains::MutationsPerPixel;
 use super::options::{Goal, RunState};
 use crate::film::Film;
 use crate::say::note;
@@ -15,6 +16,7 @@ pub struct ProgressReport {
     goal: Goal,
     start: Instant,
     samples_before: u32,
+    unit: MutationsPerPixel,
     /// Samples of all pixels before this run, known after the first pass.
     display: Display,
 }
@@ -48,8 +50,15 @@ impl ProgressReport {
             goal,
             start: Instant::now(),
             samples_before: state.samples,
+            unit: MutationsPerPixel(1),
             display,
         }
+    }
+
+    /// Counts mutations, of which each sample stands for so many.
+    pub fn with_unit(mut self, unit: MutationsPerPixel) -> ProgressReport {
+        self.unit = unit;
+        self
     }
 
     /// Reports the state after a pass.
@@ -60,6 +69,7 @@ impl ProgressReport {
             Goal::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64(),
         }
         .min(1.0);
+        let unit = self.unit;
         match &mut self.display {
             Display::Quiet => {}
             Display::Bar(bar) => {
@@ -67,6 +77,7 @@ impl ProgressReport {
                 bar.set_message(message(
                     self.goal,
                     self.samples_before,
+                    unit,
                     state,
                     film,
                     elapsed,
@@ -78,7 +89,7 @@ impl ProgressReport {
                     note(format_args!(
                         "{:3.0}%  {}",
                         done * 100.0,
-                        message(self.goal, self.samples_before, state, film, elapsed)
+                        message(self.goal, self.samples_before, unit, state, film, elapsed)
                     ));
                 }
             }
@@ -97,13 +108,14 @@ impl ProgressReport {
 fn message(
     goal: Goal,
     samples_before: u32,
+    MutationsPerPixel(unit): MutationsPerPixel,
     state: &RunState,
     film: &Film,
     elapsed: Duration,
 ) -> String {
     let seconds = elapsed.as_secs_f64().max(1e-9);
     let samples = f64::from(state.samples - samples_before);
-    let rate = samples * film.statistics().len() as f64 / seconds;
+    let rate = samples * f64::from(unit) * film.statistics().len() as f64 / seconds;
     let left = match goal {
         Goal::Samples(n) if samples > 0.0 => {
             f64::from(n.saturating_sub(state.samples)) * seconds / samples
@@ -112,9 +124,15 @@ fn message(
         Goal::Time(time) => time.saturating_sub(elapsed).as_secs_f64(),
     };
     format!(
-        "{} spp  {:.2} M samples/s  {} left  noise {:.2}%",
-        state.samples,
+        "{} {}  {:.2} M {}/s  {} left  noise {:.2}%",
+        u64::from(state.samples) * u64::from(unit),
+        if unit > 1 {
+            "mutations per pixel"
+        } else {
+            "spp"
+        },
         rate / 1e6,
+        if unit > 1 { "mutations" } else { "samples" },
         duration(left),
         film.relative_noise() * 100.0
     )

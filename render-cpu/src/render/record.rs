@@ -1,5 +1,6 @@
 //! Records of a run: the settings in its checkpoints, and the metadata of its image.
 
+use super::chains::MutationsPerPixel;
 use super::options::{RenderOptions, RunState};
 use crate::film::Film;
 use crate::film::aov::{Aov, AovSet};
@@ -150,7 +151,8 @@ pub fn image_metadata(
         integrator: scene.integrator.clone(),
         sampler: sampler_name(scene.sampler).to_string(),
         software: concat!("halflight ", env!("CARGO_PKG_VERSION")).to_string(),
-        spp: film.total_samples() as f64 / film.statistics().len() as f64,
+        spp: film.total_samples() as f64 / film.statistics().len() as f64
+            * f64::from(MutationsPerPixel::of(scene).0),
         sample_ranges: vec![SampleRange {
             seed: options.seed.into(),
             from: options.first_sample,

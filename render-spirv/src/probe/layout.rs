@@ -11,7 +11,8 @@ use halflight_kernel::scene::{
     RgbParameter, ScalarParameter, SceneInfo, Shape, Texture, Triangle, WeightFactor,
 };
 use halflight_kernel::transport::settings::{
-    BidirectionalSettings, DirectSettings, IntegratorSettings, OcclusionSettings, PhotonSettings,
+    BidirectionalSettings, ChainSettings, DirectSettings, IntegratorSettings, OcclusionSettings,
+    PhotonSettings,
 };
 
 /// Word `i` of a table. As a float it is a normal number, which no device rounds.
@@ -109,13 +110,14 @@ layouts! {
     }
     info, SceneInfo { center, radius, environment, srgb_table, flags }
     settings, IntegratorSettings {
-        kind, rules, direct, occlusion, bidirectional, photon
+        kind, rules, direct, occlusion, bidirectional, photon, chains
     }
     rules, PathRules { max_depth, rr_depth, hide_emitters, strict_normals }
     direct, DirectSettings { emitter_samples, bsdf_samples }
     occlusion, OcclusionSettings { samples, distance }
     bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted }
     photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness, connections }
+    chains, ChainSettings { technique, p_large, candidates, chains, mutations, direct_samples }
     constants, SceneConstants { camera, info, settings }
     item, WorkItem { pixel, sample, slot }
     dispatch, Dispatch { count, seed, sampler, first }

@@ -45,6 +45,14 @@ pub const INTEGRATORS: &[Integrator] = &[
         name: "bdpt",
         about: "paths from both ends",
     },
+    Integrator {
+        name: "pssmlt",
+        about: "chains of the random numbers of paths from both ends",
+    },
+    Integrator {
+        name: "mmlt",
+        about: "the same, one strategy at a time",
+    },
 ];
 
 /// The algorithm of a name.
@@ -66,7 +74,7 @@ pub fn find(name: &str) -> Result<&'static Integrator, String> {
 pub struct Point {
     /// Processor time in seconds.
     pub seconds: f64,
-    /// Samples per pixel.
+    /// Samples per pixel, mutations where there are chains.
     pub samples: u32,
     /// The errors.
     pub errors: Errors,
@@ -134,11 +142,11 @@ pub fn run(
         |runners, share| {
             for (runs, curve) in runners.chunks(runs as usize).zip(&mut curves) {
                 let first = &runs[0];
-                let is_new = curve.last().is_none_or(|p| p.samples < first.state.samples);
+                let is_new = curve.last().is_none_or(|p| p.samples < first.samples());
                 if is_new {
                     curve.push(Point {
                         seconds: first.seconds,
-                        samples: first.state.samples,
+                        samples: first.samples(),
                         errors: with_yardstick(runs, reference, |image, yardstick| {
                             Errors::new(image, &first.film.variance_of_mean(), yardstick)
                         }),

@@ -8,7 +8,9 @@
 use crate::accel::Accel;
 use crate::film::aov::AovSet;
 use crate::film::{Film, FilmError};
-use crate::render::{Goal, NoObserver, PassError, RenderOptions, RunState, render};
+use crate::render::{
+    Goal, MutationsPerPixel, NoObserver, PassError, RenderOptions, RunState, render,
+};
 use crate::scene::build::Scene;
 use cpu_time::ProcessTime;
 use halflight_kernel::transport::IntegratorSettings;
@@ -67,12 +69,23 @@ impl Runner {
         })
     }
 
+    /// Mutations per pixel that each sample stands for.
+    fn unit(&self) -> u32 {
+        let size = [self.film.width(), self.film.height()];
+        MutationsPerPixel::of_settings(&self.settings, size).0
+    }
+
+    /// Samples per pixel so far, mutations where there are chains.
+    pub fn samples(&self) -> u32 {
+        self.state.samples.saturating_mul(self.unit())
+    }
+
     /// Samples per pixel of the next slice; zero when the share of the budget is spent.
     fn next_samples(&self, budget: Budget, share: f64) -> u32 {
         let samples = self.state.samples;
         match budget {
             Budget::Samples(all) => {
-                let target = (f64::from(all) * share).ceil() as u32;
+                let target = (f64::from(all.div_ceil(self.unit())) * share).ceil() as u32;
                 target.saturating_sub(samples)
             }
             Budget::Time(_) if samples == 0 => 1,

@@ -3,10 +3,12 @@
 //! Some integrators enclose others and add to their results: `aov`, `moment`, `adaptive`, `irrcache`, and `multichannel` with
 //! its `field`s. The enclosed integrator runs, with its own parameters; the additions become layers of the image.
 
+use super::chain_settings::read_chains;
 use super::options::BuildOptions;
 use crate::film::aov::{Aov, AovSet};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
+use halflight_kernel::transport::markov::primary_space::technique;
 use halflight_kernel::transport::settings::PhotonSettings;
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use std::sync::Arc;
@@ -58,6 +60,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         settings.bidirectional.light_image = object.get_bool("light_image", true)?.into();
         settings.bidirectional.sample_direct = object.get_bool("sample_direct", true)?.into();
         read_photon_settings(object, &mut settings.photon)?;
+        read_chains(object, &mut settings.chains)?;
         // Mitsuba 0.6: -1 takes half of the scene's size.
         let length = object.get_float("ray_length", -1.0)?;
         if length > 0.0 {
@@ -72,9 +75,15 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         "ptracer" => integrator_kind::LIGHT_TRACING,
         "ppm" | "sppm" => integrator_kind::PROGRESSIVE_PHOTONS,
         "vcm" | "vm" | "bpm" => integrator_kind::VERTEX_MERGING,
+        "pssmlt" => integrator_kind::PRIMARY_SAMPLE_MLT,
+        "mmlt" => {
+            settings.chains.technique = technique::MULTIPLEXED;
+            integrator_kind::PRIMARY_SAMPLE_MLT
+        }
         other if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
-                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, ppm, sppm, vcm, vm and bpm"
+                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, pssmlt, mmlt, ppm, \
+                 sppm, vcm, vm and bpm"
             )));
         }
         other => {

@@ -4,6 +4,7 @@
 //! reports unsupported input by an error or a warning. Objects that several others refer to are built once.
 
 mod builder;
+mod chain_settings;
 mod daylight;
 mod emitter;
 mod film;

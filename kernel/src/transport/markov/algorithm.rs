@@ -1,0 +1,47 @@
+//! What a driver of chains needs to know of an algorithm.
+
+use super::state::Splat;
+
+/// Counts of what became of proposals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MutationCounts {
+    /// Proposals.
+    pub proposed: u64,
+    /// Proposals that carried any light.
+    pub lit: u64,
+    /// Proposals that became the state.
+    pub accepted: u64,
+}
+
+impl MutationCounts {
+    /// Adds those of another chain.
+    pub fn merge(&mut self, other: &MutationCounts) {
+        self.proposed += other.proposed;
+        self.lit += other.lit;
+        self.accepted += other.accepted;
+    }
+}
+
+/// An algorithm of chains in one group: seed and group are part of it, so that everything is a function of the numbers given.
+pub trait ChainAlgorithm: Sync {
+    /// A chain's state.
+    type Chain: Send + Sync;
+
+    /// Hands on the weights I / p of the paths of a candidate, as many and in the same order each time.
+    fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32));
+
+    /// Chain `number`, at path `member` of a candidate.
+    fn start(&self, candidate: u32, member: u32, number: u32) -> Self::Chain;
+
+    /// One mutation, for an integral `b` of I; `add` takes what it adds to the sum over all mutations.
+    fn step(&self, chain: &mut Self::Chain, b: f32, add: &mut impl FnMut(Splat));
+
+    /// What the state that the chain ends with has not added yet.
+    fn finish(&self, chain: &mut Self::Chain, b: f32, add: &mut impl FnMut(Splat));
+
+    /// Names of the mutations.
+    fn mutations(&self) -> &'static [&'static str];
+
+    /// What became of each.
+    fn counts(chain: &Self::Chain) -> &[MutationCounts];
+}

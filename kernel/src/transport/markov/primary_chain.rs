@@ -1,0 +1,189 @@
+//! Chains of primary samples (Kelemen et al. 2002; `pssmlt`, and `mmlt` after Hachisuka, Kaplanyan and Dachsbacher 2014).
+//!
+//! The density of primary samples is one, so I and F are those of the path over its density, T is symmetric for small steps,
+//! and T(x -> y) = 1 for large ones. With the probability p of a large step, its proposals are independent samples of the image
+//! too. Kelemen combines both by the balance heuristic, with chain states counting as samples of density I / b; here
+//! the weights use a constant c near b that is the same in all groups and known before any of them,
+//!
+//! ```text
+//! state:             b F / I  *  I / (I + p c)    =  b F / (I + p c)
+//! large proposal:      F / p  *  p c / (I + p c)  =  c F / (I + p c)
+//! ```
+//!
+//! because then both parts are unbiased for each group, with its own estimate of b in the first. With c = b it is the method of
+//! the paper. Where a pixel is dark compared with b, its light comes from large steps and not from rare visits.
+
+use super::algorithm::{ChainAlgorithm, MutationCounts};
+use super::primary_space::PrimarySpace;
+use super::state::{Splat, State};
+use crate::sampler::{FreshSamples, PrimarySamples, mix};
+use crate::scene::Traverse;
+
+/// Streams of a group, told apart by what its seed is mixed with.
+mod stream {
+    pub const CANDIDATE_LIGHT: u32 = 0x510e_527f;
+    pub const CANDIDATE_CAMERA: u32 = 0x9b05_688c;
+    pub const LIGHT: u32 = 0x1f83_d9ab;
+    pub const CAMERA: u32 = 0x5be0_cd19;
+    pub const CHOICE: u32 = 0xcbbb_9d5d;
+}
+
+/// Group number of the candidates from which the constant of the weights is estimated: no group of an image has it.
+const PILOT: u32 = u32::MAX;
+
+/// Candidates of that estimate.
+const PILOT_CANDIDATES: u32 = 4096;
+
+const SMALL: usize = 0;
+const LARGE: usize = 1;
+
+/// The chains of a group.
+pub struct PrimaryChains<'a, T: Traverse> {
+    space: PrimarySpace<'a, T>,
+    /// Probability of a large step.
+    p_large: f32,
+    /// c of the header.
+    constant: f32,
+    seed: u32,
+    group: u32,
+}
+
+/// A chain.
+pub struct PrimaryChain {
+    light: PrimarySamples,
+    camera: PrimarySamples,
+    current: State,
+    proposed: State,
+    /// What the current state has yet to add, in units of b F / (I + p c).
+    pending: f32,
+    number: u32,
+    step: u32,
+    counts: [MutationCounts; 2],
+}
+
+impl<'a, T: Traverse + Sync> PrimaryChains<'a, T> {
+    /// Those of `group`.
+    pub fn new(space: PrimarySpace<'a, T>, p_large: f32, seed: u32, group: u32) -> Self {
+        let pilot = PrimaryChains {
+            space,
+            p_large,
+            constant: 0.0,
+            seed,
+            group: PILOT,
+        };
+        let mut sum = 0.0;
+        for candidate in 0..PILOT_CANDIDATES {
+            pilot.weigh(candidate, &mut |weight| sum += f64::from(weight));
+        }
+        PrimaryChains {
+            constant: (sum / f64::from(PILOT_CANDIDATES)) as f32,
+            group,
+            ..pilot
+        }
+    }
+
+    /// The same with the numbers of another group.
+    pub fn of_group(&self, group: u32) -> Self {
+        PrimaryChains {
+            space: self.space,
+            p_large: self.p_large,
+            constant: self.constant,
+            seed: self.seed,
+            group,
+        }
+    }
+
+    #[inline]
+    fn stream(&self, which: u32) -> u32 {
+        mix(self.seed ^ which).wrapping_add(self.group)
+    }
+
+    fn candidate(&self, candidate: u32) -> [FreshSamples; 2] {
+        [stream::CANDIDATE_LIGHT, stream::CANDIDATE_CAMERA]
+            .map(|which| FreshSamples::new(mix(self.seed ^ which), self.group, candidate))
+    }
+
+    #[inline]
+    fn factor(&self, state: &State) -> f32 {
+        1.0 / (state.luminance() + self.p_large * self.constant)
+    }
+}
+
+impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
+    type Chain = PrimaryChain;
+
+    fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32)) {
+        let [mut light, mut camera] = self.candidate(candidate);
+        let mut state = State::default();
+        self.space.evaluate(&mut light, &mut camera, &mut state);
+        add(state.luminance());
+    }
+
+    fn start(&self, candidate: u32, _member: u32, number: u32) -> PrimaryChain {
+        let [light, camera] = self.candidate(candidate);
+        let mut chain = PrimaryChain {
+            light: PrimarySamples::new(light, self.stream(stream::LIGHT), number),
+            camera: PrimarySamples::new(camera, self.stream(stream::CAMERA), number),
+            current: State::default(),
+            proposed: State::default(),
+            pending: 0.0,
+            number,
+            step: 0,
+            counts: Default::default(),
+        };
+        let [mut light, mut camera] = [light, camera];
+        self.space
+            .evaluate(&mut light, &mut camera, &mut chain.current);
+        chain
+    }
+
+    fn step(&self, chain: &mut PrimaryChain, b: f32, add: &mut impl FnMut(Splat)) {
+        chain.step += 1;
+        let choice = FreshSamples::new(self.stream(stream::CHOICE), chain.number, chain.step);
+        let is_large = choice.number(0) < self.p_large;
+        chain.light.propose(is_large);
+        chain.camera.propose(is_large);
+        self.space
+            .evaluate(&mut chain.light, &mut chain.camera, &mut chain.proposed);
+        let (i_x, i_y) = (chain.current.luminance(), chain.proposed.luminance());
+        // A chain starts where there is light, and goes nowhere else.
+        let acceptance = if i_y < i_x { i_y / i_x } else { 1.0 };
+        let mut of_proposed = acceptance * b;
+        if is_large {
+            of_proposed += self.constant;
+        }
+        chain.pending += (1.0 - acceptance) * b;
+        let counts = &mut chain.counts[if is_large { LARGE } else { SMALL }];
+        counts.proposed += 1;
+        counts.lit += u64::from(i_y > 0.0);
+        if choice.number(1) < acceptance {
+            counts.accepted += 1;
+            self.finish(chain, b, add);
+            chain.pending = of_proposed;
+            core::mem::swap(&mut chain.current, &mut chain.proposed);
+            chain.light.accept();
+            chain.camera.accept();
+        } else if of_proposed > 0.0 && i_y > 0.0 {
+            chain
+                .proposed
+                .emit(of_proposed * self.factor(&chain.proposed), add);
+        }
+    }
+
+    fn finish(&self, chain: &mut PrimaryChain, _b: f32, add: &mut impl FnMut(Splat)) {
+        if chain.pending > 0.0 {
+            chain
+                .current
+                .emit(chain.pending * self.factor(&chain.current), add);
+            chain.pending = 0.0;
+        }
+    }
+
+    fn mutations(&self) -> &'static [&'static str] {
+        &["small step", "large step"]
+    }
+
+    fn counts(chain: &PrimaryChain) -> &[MutationCounts] {
+        &chain.counts
+    }
+}

@@ -1,0 +1,78 @@
+//! What a state of a chain adds to the image.
+
+use crate::math::{Rgb, luminance};
+use arrayvec::ArrayVec;
+use glam::Vec2;
+
+/// Light at a film position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Splat {
+    /// In pixels of the whole film.
+    pub film: Vec2,
+    /// Its share of the mean of a pixel with a filter of area one, one sample per pixel.
+    pub value: Rgb,
+}
+
+/// Most splats of a state. Light walks with more vertices than this lose what comes after, far below all noise: the walk has
+/// survived a hundred trials by then.
+pub const MAX_SPLATS: usize = 256;
+
+/// F and I of a state.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    splats: ArrayVec<Splat, MAX_SPLATS>,
+    luminance: f32,
+}
+
+impl State {
+    /// Forgets all.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.splats.clear();
+        self.luminance = 0.0;
+    }
+
+    /// Adds light; what falls on the position of the first splat is added to that.
+    #[inline]
+    pub fn add(&mut self, film: Vec2, value: Rgb) {
+        let light = luminance(value);
+        if !(light > 0.0) || !value.is_finite() {
+            return;
+        }
+        match self.splats.first_mut() {
+            Some(first) if first.film == film => first.value += value,
+            _ => {
+                if self.splats.try_push(Splat { film, value }).is_err() {
+                    return;
+                }
+            }
+        }
+        self.luminance += light;
+    }
+
+    /// I: the luminance of all that it adds.
+    #[inline]
+    pub fn luminance(&self) -> f32 {
+        self.luminance
+    }
+
+    /// Multiplies F and I.
+    #[inline]
+    pub fn scale(&mut self, factor: f32) {
+        self.splats
+            .iter_mut()
+            .for_each(|splat| splat.value *= factor);
+        self.luminance *= factor;
+    }
+
+    /// Hands on the splats times `factor`.
+    #[inline]
+    pub fn emit(&self, factor: f32, add: &mut impl FnMut(Splat)) {
+        for splat in &self.splats {
+            add(Splat {
+                film: splat.film,
+                value: splat.value * factor,
+            });
+        }
+    }
+}

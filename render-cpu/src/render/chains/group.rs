@@ -1,0 +1,219 @@
+//! One group of chains, on all threads: candidates, starts, then rounds of mutations.
+//!
+//! Candidates are weighed in chunks; the starts of the chains are spread evenly over the sum of the weights, at one random
+//! offset (systematic resampling), so that a candidate of weight I starts (I / sum) times as many chains as there are, up to one.
+//! Chains then mutate in rounds: each fills its own list of splats, and the lists are added in the order of the chains,
+//! so that sums are a function of seed and group.
+
+use super::super::splat::{Splat, SplatFilter};
+use super::super::stop::Stop;
+use halflight_kernel::transport::markov::ChainAlgorithm;
+use halflight_kernel::transport::markov::algorithm::MutationCounts;
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator,
+};
+use rayon::slice::ParallelSliceMut;
+
+/// Candidates that are weighed by one task.
+const CHUNK: u32 = 256;
+
+/// Mutations of a chain between two sums.
+const ROUND: u32 = 512;
+
+/// Rows whose splats are added by one thread.
+const BAND: u32 = 16;
+
+/// What a group shall do.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupSize {
+    /// Candidates.
+    pub candidates: u32,
+    /// Chains.
+    pub chains: u32,
+    /// Mutations of each chain.
+    pub steps: u32,
+}
+
+/// What became of a group.
+pub struct GroupImage {
+    /// Sums of the splats over all mutations, by rows of pixels.
+    pub sums: Vec<[f32; 3]>,
+    /// What became of each kind of mutation.
+    pub counts: Vec<MutationCounts>,
+}
+
+/// The path of a candidate.
+#[derive(Clone, Copy, Debug)]
+struct Weighed {
+    candidate: u32,
+    member: u32,
+    weight: f32,
+}
+
+/// A chain and what it has splatted since the last sum, by bands of rows.
+struct Task<C> {
+    chain: C,
+    bands: Vec<Vec<Splat>>,
+}
+
+/// Runs a group for a window of `width` x `height` pixels; `offset` in [0, 1) chooses the starts. None
+/// when it must stop before.
+pub fn run<A: ChainAlgorithm>(
+    algorithm: &A,
+    size: GroupSize,
+    offset: f32,
+    filter: &SplatFilter,
+    [width, height]: [u32; 2],
+    stop: &Stop<'_>,
+) -> Option<GroupImage> {
+    let mut image = GroupImage {
+        sums: vec![[0.0; 3]; width as usize * height as usize],
+        counts: vec![MutationCounts::default(); algorithm.mutations().len()],
+    };
+    let candidates = weigh(algorithm, size.candidates);
+    let total: f64 = candidates.iter().map(|c| f64::from(c.weight)).sum();
+    if !(total > 0.0) {
+        return Some(image);
+    }
+    let b = (total / f64::from(size.candidates)) as f32;
+    let starts = resample(&candidates, total, size.chains, offset);
+    let bands = height.div_ceil(BAND) as usize;
+    let mut tasks: Vec<Task<A::Chain>> = starts
+        .into_par_iter()
+        .enumerate()
+        .map(|(number, start)| Task {
+            chain: algorithm.start(start.candidate, start.member, number as u32),
+            bands: vec![Vec::new(); bands],
+        })
+        .collect();
+    let mut done = 0;
+    while done < size.steps {
+        if stop.is_urgent() {
+            return None;
+        }
+        let round = ROUND.min(size.steps - done);
+        done += round;
+        let is_last = done == size.steps;
+        tasks.par_iter_mut().for_each(|task| {
+            let Task { chain, bands } = task;
+            bands.iter_mut().for_each(Vec::clear);
+            let mut add = |splat: halflight_kernel::transport::markov::Splat| {
+                let splat = Splat {
+                    film: splat.film,
+                    value: splat.value,
+                };
+                let rows = filter.rows(&splat);
+                if !rows.is_empty() {
+                    for band in rows.start / BAND..=(rows.end - 1) / BAND {
+                        bands[band as usize].push(splat);
+                    }
+                }
+            };
+            for _ in 0..round {
+                algorithm.step(chain, b, &mut add);
+            }
+            if is_last {
+                algorithm.finish(chain, b, &mut add);
+            }
+        });
+        let rows = BAND as usize * width as usize;
+        image
+            .sums
+            .par_chunks_mut(rows)
+            .enumerate()
+            .for_each(|(band, sums)| {
+                for task in &tasks {
+                    for splat in &task.bands[band] {
+                        filter.add(splat, band as u32 * BAND, sums);
+                    }
+                }
+            });
+    }
+    for task in &tasks {
+        for (sum, counts) in image.counts.iter_mut().zip(A::counts(&task.chain)) {
+            sum.merge(counts);
+        }
+    }
+    Some(image)
+}
+
+/// All paths of candidates that carry light, in order.
+fn weigh<A: ChainAlgorithm>(algorithm: &A, count: u32) -> Vec<Weighed> {
+    let chunks: Vec<Vec<Weighed>> = (0..count.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|chunk| {
+            let mut found = Vec::new();
+            for candidate in chunk * CHUNK..count.min((chunk + 1) * CHUNK) {
+                let mut member = 0;
+                algorithm.weigh(candidate, &mut |weight| {
+                    if weight > 0.0 && weight.is_finite() {
+                        found.push(Weighed {
+                            candidate,
+                            member,
+                            weight,
+                        });
+                    }
+                    member += 1;
+                });
+            }
+            found
+        })
+        .collect();
+    chunks.concat()
+}
+
+/// The starts of the chains.
+fn resample(candidates: &[Weighed], total: f64, chains: u32, offset: f32) -> Vec<Weighed> {
+    let mut starts = Vec::with_capacity(chains as usize);
+    let spacing = total / f64::from(chains);
+    let mut below = 0.0;
+    for candidate in candidates {
+        below += f64::from(candidate.weight);
+        while starts.len() < chains as usize
+            && (starts.len() as f64 + f64::from(offset)) * spacing < below
+        {
+            starts.push(*candidate);
+        }
+    }
+    // Rounding may leave the last one out.
+    while starts.len() < chains as usize
+        && let Some(last) = candidates.last()
+    {
+        starts.push(*last);
+    }
+    starts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_are_spread_by_weight() {
+        let candidates: Vec<Weighed> = [0.5, 3.0, 0.25, 0.25]
+            .into_iter()
+            .zip(0..)
+            .map(|(weight, candidate)| Weighed {
+                candidate,
+                member: 0,
+                weight,
+            })
+            .collect();
+        let mut counts = [0.0; 4];
+        let trials = 1000;
+        for trial in 0..trials {
+            let offset = (trial as f32 + 0.5) / trials as f32;
+            let starts = resample(&candidates, 4.0, 6, offset);
+            assert_eq!(starts.len(), 6);
+            // Never far from what is due.
+            let of_second = starts.iter().filter(|s| s.candidate == 1).count();
+            assert!((4..=5).contains(&of_second), "{of_second} of 4.5");
+            starts
+                .iter()
+                .for_each(|s| counts[s.candidate as usize] += 1.0 / f64::from(trials));
+        }
+        for (count, expected) in counts.iter().zip([0.75, 4.5, 0.375, 0.375]) {
+            assert!((count - expected).abs() < 2e-3, "{count} and {expected}");
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The driver of Metropolis algorithms: groups of chains, each an independent estimate of the whole image.
+//!
+//! A group is to a chain what a layer of samples is to a pixel: **one sample of every pixel is one group**, the value of a pixel in
+//! it what the group's chains splat there. So the film's statistics give the variance of the image, whatever is correlated
+//! within a group; groups are numbered by the sample's index and are functions of seed and number alone, so that checkpoints,
+//! interrupted runs, shares of an image and merges are exact as those of other algorithms, by count; a run that is killed
+//! loses the group that was under way and makes it again to the same bits.
+//!
+//! A group has a fixed number of mutations per pixel, as few as make a million in all
+//! ([`halflight_kernel::transport::settings::ChainSettings::mutations_per_pixel`]): a second or so of one processor. What users
+//! ask for, as samples per pixel, are mutations per pixel; [`MutationsPerPixel`] converts.
+
+mod group;
+
+use super::backend::PassEnd;
+use super::options::{Goal, RenderOptions};
+use super::splat::SplatFilter;
+use super::stop::Stop;
+use super::tile_job::surface_sample;
+use crate::film::Film;
+use crate::scene::build::Scene;
+use glam::Vec3;
+use group::{GroupImage, GroupSize};
+use halflight_kernel::path::PathRules;
+use halflight_kernel::sampler::{FreshSamples, IndependentSampler};
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::markov::primary_space::PrimarySpace;
+use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains};
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+/// Rows that a thread adds to the film at a time.
+const BAND: u32 = 16;
+
+/// Tells the numbers that choose starts and those of direct illumination from all others.
+const START_STREAM: u32 = 0x6295_c58d;
+const DIRECT_STREAM: u32 = 0x2f3a_91e7;
+
+/// How many mutations per pixel a sample stands for: one where there are no chains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MutationsPerPixel(pub u32);
+
+impl MutationsPerPixel {
+    /// Of the algorithm that will run.
+    pub fn of(scene: &Scene) -> MutationsPerPixel {
+        Self::of_settings(&scene.settings, scene.tables.camera.crop_size)
+    }
+
+    /// Of an algorithm for a window of so many pixels.
+    pub fn of_settings(settings: &IntegratorSettings, [width, height]: [u32; 2]) -> Self {
+        if super::shape(settings.kind) != super::Shape::Chains {
+            return MutationsPerPixel(1);
+        }
+        let pixels = width.saturating_mul(height);
+        MutationsPerPixel(settings.chains.mutations_per_pixel(pixels))
+    }
+
+    /// Turns mutations per pixel into groups, rounded up to whole ones.
+    ///
+    /// # Errors
+    /// If the share of an image does not begin with a group; the message says where groups begin.
+    pub fn groups(self, options: &RenderOptions) -> Result<RenderOptions, String> {
+        let n = self.0;
+        if !options.first_sample.is_multiple_of(n) {
+            return Err(format!(
+                "--samples: chains run in groups of {n} mutations per pixel here, so FROM is a multiple of {n}"
+            ));
+        }
+        Ok(RenderOptions {
+            goal: match options.goal {
+                Goal::Samples(count) => Goal::Samples(count.div_ceil(n)),
+                time => time,
+            },
+            first_sample: options.first_sample / n,
+            ..options.clone()
+        })
+    }
+}
+
+/// Adds `groups` groups of chains to the film, or fewer when it is to stop; a group that is not complete is dropped.
+pub fn render_groups<T: Traverse + Sync>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    options: &RenderOptions,
+    film: &mut Film,
+    groups: u32,
+    stop: &Stop<'_>,
+) -> PassEnd {
+    let own = &settings.chains;
+    let min_edges = if own.direct_samples > 0 { 3 } else { 1 };
+    let space = PrimarySpace::new(view, settings, own.technique, min_edges);
+    let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
+    let chains = PrimaryChains::new(space, own.p_large, options.seed, first);
+    for group in first..first + groups {
+        if group > first && stop.is_set() {
+            return PassEnd::Cut;
+        }
+        let chains = chains.of_group(group);
+        if !add_group(view, settings, options, film, group, &chains, stop) {
+            return PassEnd::Cut;
+        }
+    }
+    PassEnd::Complete
+}
+
+/// Runs a group and adds it to the film; says whether it was complete.
+fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    options: &RenderOptions,
+    film: &mut Film,
+    group: u32,
+    algorithm: &A,
+    stop: &Stop<'_>,
+) -> bool {
+    let own = &settings.chains;
+    let size = [film.width(), film.height()];
+    let pixels = size[0] * size[1];
+    let mutations = u64::from(own.mutations_per_pixel(pixels)) * u64::from(pixels);
+    let chains = own.chains.max(1);
+    let steps = mutations.div_ceil(u64::from(chains)) as u32;
+    let plan = GroupSize {
+        candidates: match own.candidates {
+            0 => (mutations / 16).max(1) as u32,
+            candidates => candidates,
+        },
+        chains,
+        steps,
+    };
+    let offset = FreshSamples::new(options.seed ^ START_STREAM, group, 0).number(0);
+    let filter = SplatFilter::new(&view.tables.camera);
+    let Some(image) = group::run(algorithm, plan, offset, &filter, size, stop) else {
+        return false;
+    };
+    for (name, counts) in algorithm.mutations().iter().zip(&image.counts) {
+        tracing::debug!(
+            "group {group}, {name}: {} proposals, {:.1} % with light, {:.1} % accepted",
+            counts.proposed,
+            counts.lit as f64 / counts.proposed.max(1) as f64 * 100.0,
+            counts.accepted as f64 / counts.proposed.max(1) as f64 * 100.0
+        );
+    }
+    let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
+    add_to_film(view, settings, options, film, group, &image, scale as f32);
+    true
+}
+
+/// Adds the image of a group as a sample of every pixel, with direct illumination if that is apart.
+fn add_to_film<T: Traverse + Sync>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    options: &RenderOptions,
+    film: &mut Film,
+    group: u32,
+    image: &GroupImage,
+    scale: f32,
+) {
+    let camera = &view.tables.camera;
+    let needs_surface = film.aovs().needs_surface();
+    let direct = settings.chains.direct_samples;
+    let direct_settings = IntegratorSettings {
+        kind: integrator_kind::PATH,
+        rules: PathRules {
+            max_depth: settings.rules.max_depth.min(2),
+            ..settings.rules
+        },
+        ..*settings
+    };
+    film.bands_mut(BAND).into_par_iter().for_each(|mut band| {
+        let (top, width, height) = (band.y(), band.width(), band.height());
+        for y in top..top + height {
+            for x in 0..width {
+                let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
+                let index = pixel[1]
+                    .wrapping_mul(camera.film_size[0])
+                    .wrapping_add(pixel[0]);
+                let mut value = Vec3::from_array(image.sums[(y * width + x) as usize]) * scale;
+                for i in 0..direct {
+                    let number = group.wrapping_mul(direct).wrapping_add(i);
+                    let seed = options.seed ^ DIRECT_STREAM;
+                    let mut sampler = IndependentSampler::new(seed, index, number);
+                    let found = halflight_kernel::transport::sample_pixel(
+                        view,
+                        &direct_settings,
+                        &mut sampler,
+                        pixel,
+                    );
+                    value += found / direct as f32;
+                }
+                let mut entry = band.pixel_mut(x, y);
+                entry.add_sample(value);
+                if needs_surface {
+                    let sampler = IndependentSampler::new(options.seed, index, group);
+                    entry.add_aovs(&surface_sample(view, sampler, pixel));
+                }
+            }
+        }
+    });
+}

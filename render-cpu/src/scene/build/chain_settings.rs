@@ -1,0 +1,28 @@
+//! Parameters of Metropolis chains, by their names in Mitsuba 0.6.
+
+use crate::scene::error::SceneError;
+use crate::scene::xml::Object;
+use halflight_kernel::transport::markov::primary_space::technique;
+use halflight_kernel::transport::settings::ChainSettings;
+
+/// Reads what the plugin says of chains.
+///
+/// # Errors
+/// If a value is out of its range.
+pub(super) fn read_chains(object: &Object, chains: &mut ChainSettings) -> Result<(), SceneError> {
+    let is_bidirectional = object.get_bool("bidirectional", true)?;
+    chains.technique = if is_bidirectional {
+        technique::BIDIRECTIONAL
+    } else {
+        technique::PATH
+    };
+    chains.p_large = object.get_float("p_large", 0.3)? as f32;
+    if !(0.0..=1.0).contains(&chains.p_large) {
+        return Err(object.error("p_large is a probability"));
+    }
+    chains.candidates = object.get_int_in("luminance_samples", 0, 0, 1 << 30)? as u32;
+    chains.direct_samples = object.get_int_in("direct_samples", 0, -1, 1 << 20)?.max(0) as u32;
+    chains.chains = object.get_int_in("chains", 128, 1, 1 << 16)? as u32;
+    chains.mutations = object.get_int_in("group_mutations", 0, 0, 1 << 20)? as u32;
+    Ok(())
+}

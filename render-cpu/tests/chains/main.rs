@@ -1,0 +1,10 @@
+//! Metropolis algorithms on scenes from text: the image that other algorithms make, whatever the threads and interruptions.
+
+#[path = "../bidirectional/agreement.rs"]
+#[allow(dead_code)]
+mod agreement;
+mod brightness;
+mod promises;
+#[path = "../bidirectional/scenes.rs"]
+#[allow(dead_code)]
+mod scenes;

@@ -1,7 +1,7 @@
 //! The exponential, the logarithm, powers and the functions of angles against libm's `f64` ones, over their whole domains.
 
 use halflight_kernel::math::float::{
-    atan, cos, exp, ln, pow, sin, sin_cos, sin_cos_octant, sin_cos_turns, tan,
+    atan, cos, exp, ln, pow, sin, sin_cos, sin_cos_2pi, sin_cos_octant, tan,
 };
 
 /// The distance of the floats around a number, as if there were no subnormal ones.
@@ -153,7 +153,7 @@ fn fractions_of_turns_are_accurate() {
     let turns = |x: f64| core::f64::consts::TAU * x;
     for sign in [1.0, -1.0] {
         let fractions = || floats(1e-9, 1.0, 307).map(|x| sign * x);
-        let (s, c) = (|x| sin_cos_turns(x).0, |x| sin_cos_turns(x).1);
+        let (s, c) = (|x| sin_cos_2pi(x).0, |x| sin_cos_2pi(x).1);
         // The reference's own angle is rounded: next to its zeros the comparison is of the angle's remainder.
         assert_within!(
             2.5,
@@ -174,7 +174,7 @@ fn fractions_of_turns_are_accurate() {
         (1.0, (0.0, 1.0)),
         (1_048_576.0, (0.0, 1.0)),
     ] {
-        assert_eq!(sin_cos_turns(turns), want, "{turns}");
+        assert_eq!(sin_cos_2pi(turns), want, "{turns}");
     }
 }
 

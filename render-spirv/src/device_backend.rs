@@ -206,7 +206,7 @@ impl DeviceBackend {
             let (slice, after) = rest.split_at(count as usize);
             rest = after;
             let start = Instant::now();
-            self.take(slice, &mut samples)?;
+            self.sample_slice(slice, &mut samples)?;
             let time = match &self.radiance {
                 Radiance::Sample(_) => start.elapsed(),
                 Radiance::Paths(stages) => stages.longest_submission(),
@@ -220,8 +220,12 @@ impl DeviceBackend {
         Ok(Some(samples))
     }
 
-    /// The samples of one slice.
-    fn take(&mut self, slice: &[WorkItem], samples: &mut Vec<Sample>) -> Result<(), VulkanError> {
+    /// Takes the samples of one slice.
+    fn sample_slice(
+        &mut self,
+        slice: &[WorkItem],
+        samples: &mut Vec<Sample>,
+    ) -> Result<(), VulkanError> {
         let count = slice.len();
         let slice: Vec<WorkItem> = slice
             .iter()

@@ -13,7 +13,7 @@
 //! units that is a Gaussian's for narrow lobes (2 % off at k = 10). Checked: integrates to one around any pivot, chi-square
 //! of samples, the variance, the symmetry `p(a -> b) / p(b -> a) = ((1 - |a|^2) / (1 - |b|^2))^2` of isotropic lobes.
 
-use crate::math::float::{abs, exp_m1, ln_1p, pow, safe_sqrt, sin_cos_turns, sqrt};
+use crate::math::float::{abs, exp_m1, ln_1p, pow, safe_sqrt, sin_cos_2pi, sqrt};
 use crate::math::moebius::{clamp_pivot, moebius, moebius_jacobian};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec2;
@@ -60,7 +60,7 @@ impl DiskLobe {
     pub fn sample(&self, u: Vec2) -> Vec2 {
         let k = self.exponent.max(Vec2::ZERO);
         // The direction (cos, sin) of an angle whose tangent is stretched, without a quadrant to correct.
-        let (s, c) = sin_cos_turns(u.x);
+        let (s, c) = sin_cos_2pi(u.x);
         let d = Vec2::new(c * sqrt(k.y + 1.0), s * sqrt(k.x + 1.0));
         let d = d * (1.0 / safe_sqrt(d.length_squared()).max(f32::MIN_POSITIVE));
         let k = k.x * d.x * d.x + k.y * d.y * d.y;

@@ -10,7 +10,7 @@
 //! to one, chi-square of samples.
 
 use super::disk_lobe::{turn, turn_back};
-use crate::math::float::{exp, ln_1p, safe_sqrt, sin_cos_turns};
+use crate::math::float::{exp, ln_1p, safe_sqrt, sin_cos_2pi};
 use glam::Vec2;
 
 /// Deviations below are none.
@@ -32,7 +32,7 @@ impl SlopeGaussian {
     #[inline]
     pub fn sample(&self, u: Vec2) -> Vec2 {
         let r = safe_sqrt(-2.0 * ln_1p(-u.x.min(0.999_999_94)));
-        let (s, c) = sin_cos_turns(u.y);
+        let (s, c) = sin_cos_2pi(u.y);
         self.center
             + turn(
                 self.axis,

@@ -55,7 +55,7 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
 /// Unit vector at height `z` in [-1, 1] with the azimuth `2 pi phi`.
 #[inline]
 fn at_height(z: f32, sin_theta: f32, phi: f32) -> Vec3 {
-    let (s, c) = float::sin_cos_turns(phi);
+    let (s, c) = float::sin_cos_2pi(phi);
     Vec3::new(c * sin_theta, s * sin_theta, z)
 }
 

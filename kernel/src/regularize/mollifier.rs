@@ -18,7 +18,7 @@
 //! The thesis normalises Perlin's kernel by `1 / (pi r^2)` (text after equation 5.3), which leaves a mass of 2/7; the
 //! kernel here is `7 k(t) / (2 pi r^2)`.
 
-use crate::math::float::{pow, safe_sqrt, sin_cos_turns, sqrt};
+use crate::math::float::{pow, safe_sqrt, sin_cos_2pi, sqrt};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3};
 
@@ -239,7 +239,7 @@ pub fn sample_1d(kind: u32, u: f32) -> f32 {
 #[inline]
 pub fn sample_2d(kind: u32, u: Vec2) -> Vec2 {
     let t = sample_radius(kind, 2, u.x);
-    let (s, c) = sin_cos_turns(u.y);
+    let (s, c) = sin_cos_2pi(u.y);
     Vec2::new(t * c, t * s)
 }
 

@@ -16,19 +16,19 @@ use glam::{Vec2, Vec3};
 /// Deepest nesting of textures that is followed.
 pub(crate) const MAX_NESTING: u32 = 8;
 
-/// Where a texture is looked up: coordinates, and the primitive for mesh attributes.
+/// The point of a texture lookup: coordinates, and the primitive for mesh attributes.
 #[derive(Clone, Copy)]
-struct Place {
+struct LookupPoint {
     uv: Vec2,
     barycentric: Vec2,
     /// Triangle, or [`NONE`] where there is no mesh.
     primitive: u32,
 }
 
-impl Place {
+impl LookupPoint {
     #[inline]
-    fn on_surface(point: &SurfacePoint) -> Place {
-        Place {
+    fn on_surface(point: &SurfacePoint) -> LookupPoint {
+        LookupPoint {
             uv: point.uv,
             barycentric: point.barycentric,
             primitive: point.primitive,
@@ -42,7 +42,7 @@ pub fn eval_rgb(tables: &Tables<'_>, parameter: &RgbParameter, point: &SurfacePo
     if !tables.has(features::TEXTURES) || parameter.texture == NONE {
         return vec3(parameter.value);
     }
-    vec3(parameter.value) * eval_at(tables, parameter.texture, Place::on_surface(point))
+    vec3(parameter.value) * eval_at(tables, parameter.texture, LookupPoint::on_surface(point))
 }
 
 /// A scalar parameter at a surface point; a texture counts by its luminance.
@@ -51,24 +51,29 @@ pub fn eval_scalar(tables: &Tables<'_>, parameter: &ScalarParameter, point: &Sur
     if !tables.has(features::TEXTURES) || parameter.texture == NONE {
         return parameter.value;
     }
-    parameter.value * luminance(eval_at(tables, parameter.texture, Place::on_surface(point)))
+    parameter.value
+        * luminance(eval_at(
+            tables,
+            parameter.texture,
+            LookupPoint::on_surface(point),
+        ))
 }
 
 /// A texture by its index at a surface point.
 #[inline]
 pub fn eval_at_point(tables: &Tables<'_>, texture: u32, point: &SurfacePoint) -> Rgb {
-    eval_at(tables, texture, Place::on_surface(point))
+    eval_at(tables, texture, LookupPoint::on_surface(point))
 }
 
 /// A texture by its index at bare coordinates (emitters); mesh attributes are zero there.
 #[inline]
 pub fn eval_uv(tables: &Tables<'_>, texture: u32, uv: Vec2) -> Rgb {
-    let place = Place {
+    let point = LookupPoint {
         uv,
         barycentric: Vec2::ZERO,
         primitive: NONE,
     };
-    eval_at(tables, texture, place)
+    eval_at(tables, texture, point)
 }
 
 /// Derivatives of a texture's luminance in u and v at a surface point: of the bilinear patch for bitmaps, zero for
@@ -140,23 +145,23 @@ fn resolve(tables: &Tables<'_>, texture: u32, uv: Vec2) -> (u32, Rgb) {
 }
 
 #[inline]
-fn eval_at(tables: &Tables<'_>, texture: u32, place: Place) -> Rgb {
+fn eval_at(tables: &Tables<'_>, texture: u32, point: LookupPoint) -> Rgb {
     if !tables.has(features::TEXTURES) {
         return Vec3::ZERO;
     }
-    let (leaf, factor) = resolve(tables, texture, place.uv);
+    let (leaf, factor) = resolve(tables, texture, point.uv);
     if leaf == NONE {
         return factor;
     }
     let record = &tables.textures[leaf as usize];
     if tables.has(features::BITMAPS) && record.kind == texture_kind::BITMAP {
-        factor * bitmap(tables, record, transform_uv(&record.to_uv, place.uv))
+        factor * bitmap(tables, record, transform_uv(&record.to_uv, point.uv))
     } else if tables.has(features::ATTRIBUTES) {
         factor
             * match record.kind {
-                texture_kind::GRID => grid(record, transform_uv(&record.to_uv, place.uv)),
-                texture_kind::WIREFRAME => wireframe(tables, record, place),
-                _ => attribute(tables, record, place),
+                texture_kind::GRID => grid(record, transform_uv(&record.to_uv, point.uv)),
+                texture_kind::WIREFRAME => wireframe(tables, record, point),
+                _ => attribute(tables, record, point),
             }
     } else {
         Vec3::ZERO
@@ -176,17 +181,17 @@ fn grid(texture: &Texture, uv: Vec2) -> Rgb {
 }
 
 /// Lines along the edges of triangles, in the space of their mesh, which blend smoothly with what is between them.
-fn wireframe(tables: &Tables<'_>, texture: &Texture, place: Place) -> Rgb {
+fn wireframe(tables: &Tables<'_>, texture: &Texture, point: LookupPoint) -> Rgb {
     let (line, ground) = (vec3(texture.color1.value), vec3(texture.color0.value));
-    if place.primitive as usize >= tables.triangles.len() {
+    if point.primitive as usize >= tables.triangles.len() {
         return ground;
     }
-    let vertices = tables.triangles[place.primitive as usize].vertices;
+    let vertices = tables.triangles[point.primitive as usize].vertices;
     let mut corners = [Vec3::ZERO; 3];
     for i in 0..3 {
         corners[i] = vec3(tables.positions[vertices[i] as usize]);
     }
-    let (b1, b2) = (place.barycentric.x, place.barycentric.y);
+    let (b1, b2) = (point.barycentric.x, point.barycentric.y);
     let p = corners[0] * (1.0 - b1 - b2) + corners[1] * b1 + corners[2] * b2;
     let mut nearest2 = f32::MAX;
     for i in 0..3 {
@@ -206,16 +211,16 @@ fn wireframe(tables: &Tables<'_>, texture: &Texture, place: Place) -> Rgb {
 }
 
 /// An interpolated vertex attribute or a face attribute; zero off the triangles.
-fn attribute(tables: &Tables<'_>, texture: &Texture, place: Place) -> Rgb {
-    if place.primitive as usize >= tables.triangles.len() {
+fn attribute(tables: &Tables<'_>, texture: &Texture, point: LookupPoint) -> Rgb {
+    if point.primitive as usize >= tables.triangles.len() {
         return Vec3::ZERO;
     }
     let (first, channels, base) = (texture.data[0], texture.data[1], texture.data[2]);
     if texture.kind == texture_kind::FACE_ATTRIBUTE {
-        return attribute_value(tables, first, channels, place.primitive.wrapping_sub(base));
+        return attribute_value(tables, first, channels, point.primitive.wrapping_sub(base));
     }
-    let vertices = tables.triangles[place.primitive as usize].vertices;
-    let (b1, b2) = (place.barycentric.x, place.barycentric.y);
+    let vertices = tables.triangles[point.primitive as usize].vertices;
+    let (b1, b2) = (point.barycentric.x, point.barycentric.y);
     let weights = [1.0 - b1 - b2, b1, b2];
     let mut sum = Vec3::ZERO;
     for i in 0..3 {

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Where in a file something is wrong.
+/// The location of an error in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FileLocation {
     /// A line of a text file, counted from one.
     Line(u64),
     /// A byte of a binary file, counted from zero.
@@ -16,13 +16,15 @@ pub enum Place {
     Whole,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Line(line) => write!(f, ":{line}"),
-            Place::Offset(offset) => write!(f, ": at byte {offset}"),
-            Place::Decompressed(offset) => write!(f, ": at byte {offset} after decompression"),
-            Place::Whole => Ok(()),
+            FileLocation::Line(line) => write!(f, ":{line}"),
+            FileLocation::Offset(offset) => write!(f, ": at byte {offset}"),
+            FileLocation::Decompressed(offset) => {
+                write!(f, ": at byte {offset} after decompression")
+            }
+            FileLocation::Whole => Ok(()),
         }
     }
 }
@@ -39,22 +41,26 @@ pub enum MeshError {
         source: std::io::Error,
     },
     /// The contents are not a usable mesh.
-    #[error("{}{place}: {what}", file.display())]
+    #[error("{}{location}: {what}", file.display())]
     Malformed {
         /// The file.
         file: PathBuf,
-        /// Where in the file.
-        place: Place,
+        /// Its location in the file.
+        location: FileLocation,
         /// What is wrong.
         what: String,
     },
 }
 
 impl MeshError {
-    pub(super) fn malformed(file: &Path, place: Place, what: impl Into<String>) -> MeshError {
+    pub(super) fn malformed(
+        file: &Path,
+        location: FileLocation,
+        what: impl Into<String>,
+    ) -> MeshError {
         MeshError::Malformed {
             file: file.to_owned(),
-            place,
+            location,
             what: what.into(),
         }
     }

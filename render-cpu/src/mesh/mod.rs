@@ -27,7 +27,7 @@ pub mod serialized;
 mod text;
 mod triangulate;
 
-pub use error::{MeshError, Place};
+pub use error::{FileLocation, MeshError};
 pub use materials::MaterialNames;
 
 use rayon::iter::{
@@ -95,7 +95,7 @@ impl Mesh {
     /// When a position is not finite or beyond [`MAX_COORDINATE`], a triangle refers to a vertex that does not exist, or
     /// a table has the wrong length.
     pub fn validate(&mut self, file: &Path) -> Result<(), MeshError> {
-        let fail = |what: String| Err(MeshError::malformed(file, Place::Whole, what));
+        let fail = |what: String| Err(MeshError::malformed(file, FileLocation::Whole, what));
         let count = self.positions.len();
         if count > u32::MAX as usize || self.triangles.len() > u32::MAX as usize {
             return fail("the mesh has more vertices or triangles than 32 bits can count".into());

@@ -19,7 +19,7 @@
 use super::obj_lines::Lines;
 use super::text::{number, plain};
 use super::triangulate::Triangulator;
-use super::{Attribute, MaterialNames, Mesh, MeshError, Place, is_usable, read_file};
+use super::{Attribute, FileLocation, MaterialNames, Mesh, MeshError, is_usable, read_file};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -68,7 +68,7 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
     if parser.positions.is_empty() && parser.triangles.is_empty() {
         return Err(MeshError::malformed(
             file,
-            Place::Whole,
+            FileLocation::Whole,
             "there is no vertex and no face in it; is it an OBJ file?",
         ));
     }
@@ -116,7 +116,7 @@ impl Parser {
         let mut triangulator = Triangulator::new();
         while let Some((number, line)) = lines.next() {
             self.line(line, flip_tex_coords, &mut triangulator)
-                .map_err(|what| MeshError::malformed(file, Place::Line(number), what))?;
+                .map_err(|what| MeshError::malformed(file, FileLocation::Line(number), what))?;
         }
         Ok(())
     }

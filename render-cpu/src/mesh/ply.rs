@@ -60,7 +60,7 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
             }
             _ => skip(element, &mut values),
         };
-        result.map_err(|what| MeshError::malformed(file, values.place(), what))?;
+        result.map_err(|what| MeshError::malformed(file, values.location(), what))?;
     }
     if flip_tex_coords {
         for uv in &mut mesh.uvs {
@@ -222,7 +222,7 @@ fn read_faces(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Re
         corner_positions.clear();
         corner_positions.extend(corners.iter().map(|&i| mesh.positions[i as usize]));
         if corner_uvs_at.is_some() {
-            corner_uvs.give(&mut corners, &uvs)?;
+            corner_uvs.assign(&mut corners, &uvs)?;
         }
         triangulator.polygon(&corner_positions, |triangle| {
             mesh.triangles.push(triangle.map(|k| corners[k]));
@@ -251,7 +251,7 @@ struct CornerUvs {
 
 impl CornerUvs {
     /// Replaces the corners of a face by vertices that have its coordinates.
-    fn give(&mut self, corners: &mut [u32], uvs: &[f32]) -> Result<(), String> {
+    fn assign(&mut self, corners: &mut [u32], uvs: &[f32]) -> Result<(), String> {
         for (k, corner) in corners.iter_mut().enumerate() {
             // A face without coordinates has an empty list.
             let uv = [2 * k, 2 * k + 1].map(|i| uvs.get(i).copied().unwrap_or(0.0));

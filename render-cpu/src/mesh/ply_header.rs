@@ -1,6 +1,6 @@
 //! The header of a PLY file: its encoding, elements and their properties.
 
-use super::{MeshError, Place};
+use super::{FileLocation, MeshError};
 use std::path::Path;
 
 /// How the values after the header are written.
@@ -107,7 +107,13 @@ impl Header {
         let line_end = if has_returns_only { b'\r' } else { b'\n' };
         loop {
             let rest = &bytes[end..];
-            let fail = |what: &str| Err(MeshError::malformed(file, Place::Line(number + 1), what));
+            let fail = |what: &str| {
+                Err(MeshError::malformed(
+                    file,
+                    FileLocation::Line(number + 1),
+                    what,
+                ))
+            };
             let Some(length) = rest.iter().position(|&b| b == line_end) else {
                 return fail(if number == 0 {
                     "not a PLY file"

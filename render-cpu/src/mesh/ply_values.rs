@@ -1,6 +1,6 @@
 //! The numbers after the header of a PLY file, in all encodings.
 
-use super::Place;
+use super::FileLocation;
 use super::ply_header::{Element, Encoding, Header, Property, Scalar};
 
 /// The numbers after the header.
@@ -23,10 +23,10 @@ impl<'a> Values<'a> {
     }
 
     /// The location of the next number.
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn location(&self) -> FileLocation {
         match self.encoding {
-            Encoding::Ascii => Place::Line(self.line),
-            _ => Place::Offset(self.position as u64),
+            Encoding::Ascii => FileLocation::Line(self.line),
+            _ => FileLocation::Offset(self.position as u64),
         }
     }
 

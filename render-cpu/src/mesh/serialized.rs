@@ -20,7 +20,7 @@
 //! anything is reserved; tables then grow as their bytes arrive. A mesh ends where the next begins, or where the table
 //! begins.
 
-use super::{Attribute, Mesh, MeshError, Place, read_file};
+use super::{Attribute, FileLocation, Mesh, MeshError, read_file};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 use std::path::Path;
@@ -55,17 +55,18 @@ pub fn load(path: impl AsRef<Path>, shape_index: u32) -> Result<Mesh, MeshError>
 /// When the file is not of the format, has no such mesh, is damaged or implausible (with the offset), and as
 /// [`Mesh::validate`].
 pub fn read(bytes: &[u8], shape_index: u32, file: &Path) -> Result<Mesh, MeshError> {
-    let fail = |place: Place, what: &str| -> MeshError { MeshError::malformed(file, place, what) };
+    let fail =
+        |place: FileLocation, what: &str| -> MeshError { MeshError::malformed(file, place, what) };
     let located = match locate(bytes, shape_index) {
         // The first mesh is at the start; programs that write no other leave the table out.
         Err(_) if shape_index == 0 && version_at(bytes, 0).is_some() => Ok((0, bytes.len())),
         located => located,
     };
     let (start, end) =
-        located.map_err(|(offset, what)| fail(Place::Offset(offset as u64), &what))?;
+        located.map_err(|(offset, what)| fail(FileLocation::Offset(offset as u64), &what))?;
     let version = version_at(bytes, start).ok_or_else(|| {
         fail(
-            Place::Offset(start as u64),
+            FileLocation::Offset(start as u64),
             "no serialized mesh begins here",
         )
     })?;
@@ -76,7 +77,7 @@ pub fn read(bytes: &[u8], shape_index: u32, file: &Path) -> Result<Mesh, MeshErr
         plausible: (stream.len() as u64).saturating_mul(MAX_EXPANSION),
     };
     let mut mesh = read_stream(&mut stream, version)
-        .map_err(|what| fail(Place::Decompressed(stream.position), &what))?;
+        .map_err(|what| fail(FileLocation::Decompressed(stream.position), &what))?;
     mesh.validate(file)?;
     Ok(mesh)
 }

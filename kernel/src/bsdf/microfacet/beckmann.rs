@@ -6,7 +6,7 @@
 //! visible normals. The callers in [`super`] clamp `alpha`, check sides, and stretch to unit roughness.
 
 use crate::math::float::{
-    abs, erf_inv, erfc_scaled, exp, ln, ln_1p, safe_sqrt, sin_cos_turns, sqr, sqrt,
+    abs, erf_inv, erfc_scaled, exp, ln, ln_1p, safe_sqrt, sin_cos_2pi, sqr, sqrt,
 };
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
@@ -154,7 +154,7 @@ impl VisibleSlope {
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn sample_slope(u: Vec2) -> Vec2 {
-    let (sin_phi, cos_phi) = sin_cos_turns(u.x);
+    let (sin_phi, cos_phi) = sin_cos_2pi(u.x);
     let r = sqrt(-ln_1p(-u.y.min(0.999_999_94)));
     Vec2::new(r * cos_phi, r * sin_phi)
 }

@@ -14,7 +14,7 @@
 
 use crate::math::entry;
 use crate::math::float::{
-    exp, gamma_1p, inverse_gamma_distribution, ln, pow, safe_sqrt, sin_cos_turns, sqr,
+    exp, gamma_1p, inverse_gamma_distribution, ln, pow, safe_sqrt, sin_cos_2pi, sqr,
 };
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
@@ -57,7 +57,7 @@ pub fn sample_radius(exponent: f32, u: f32) -> f32 {
 /// A slope in units of alpha with density `exp(-s^(2 p)) / (pi Gamma(1 + 1/p))`.
 #[inline]
 pub fn sample_slope(exponent: f32, u: Vec2) -> Vec2 {
-    let (sin_phi, cos_phi) = sin_cos_turns(u.x);
+    let (sin_phi, cos_phi) = sin_cos_2pi(u.x);
     let r = sample_radius(exponent, u.y);
     Vec2::new(r * cos_phi, r * sin_phi)
 }

@@ -3,7 +3,7 @@
 //! Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces", equation 33, in the anisotropic form
 //! of Heitz 2014. The callers in [`super`] clamp `alpha`, check sides, and stretch to unit roughness.
 
-use crate::math::float::{safe_sqrt, sin_cos_turns, sqr};
+use crate::math::float::{safe_sqrt, sin_cos_2pi, sqr};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
@@ -27,7 +27,7 @@ pub fn projected_area(cos: f32, spread: f32) -> f32 {
 /// `z >= -w.z`, plus `w` (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps").
 #[inline]
 pub fn sample_visible_normal(w: Vec3, u: Vec2) -> Vec3 {
-    let (sin_phi, cos_phi) = sin_cos_turns(u.x);
+    let (sin_phi, cos_phi) = sin_cos_2pi(u.x);
     let q = 1.0 - u.y;
     let span = 1.0 + w.z;
     // The cap's point has z = q span - w.z; 1 - z^2 is expanded, because z may be close to -1 and to 1.
@@ -39,7 +39,7 @@ pub fn sample_visible_normal(w: Vec3, u: Vec2) -> Vec3 {
 /// A slope with density `1 / (pi (1 + s^2)^2)`.
 #[inline]
 pub fn sample_slope(u: Vec2) -> Vec2 {
-    let (sin_phi, cos_phi) = sin_cos_turns(u.x);
+    let (sin_phi, cos_phi) = sin_cos_2pi(u.x);
     // The cumulative distribution of s^2 is s^2 / (1 + s^2).
     let q = (1.0 - u.y).max(6e-8);
     let r = safe_sqrt(u.y / q);

@@ -11,7 +11,7 @@
 //! at 1 (tested). The values agree with other renderers; where energy must be conserved, take another distribution.
 //! `alpha` is at most 1: beyond, the density grows towards the horizon without bound.
 
-use crate::math::float::{exp, ln, ln_1p, safe_sqrt, sin_cos_turns, sqrt};
+use crate::math::float::{exp, ln, ln_1p, safe_sqrt, sin_cos_2pi, sqrt};
 use crate::math::frame::upper_unit_vector;
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
@@ -87,7 +87,7 @@ pub fn sample_radius(alpha: f32, u: f32) -> f32 {
 #[inline]
 pub fn sample_normal(alpha: Vec2, u: Vec2) -> Vec3 {
     let (nx, ny) = (exponent_plus_two(alpha.x), exponent_plus_two(alpha.y));
-    let (s, c) = sin_cos_turns(u.x);
+    let (s, c) = sin_cos_2pi(u.x);
     // tan(phi) = sqrt(nx / ny) tan(2 pi u), in the quadrant of the angle.
     let (x, y) = (sqrt(ny) * c, sqrt(nx) * s);
     let scale = 1.0 / safe_sqrt(x * x + y * y);

@@ -176,23 +176,23 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     let t = x * TWO_OVER_PI + ROUND;
     let n = t - ROUND;
     let r = ((x - n * HALF_PI_HIGH) - n * HALF_PI_MIDDLE) - n * HALF_PI_LOW;
-    turned(r, t.to_bits())
+    rotate_quadrants(r, t.to_bits())
 }
 
-/// Sine and cosine of `turns` times 2 pi, for up to 2^20 turns; error below 2.5 ulp.
+/// Sine and cosine of 2 pi x, for |x| up to 2^20; error below 2.5 ulp.
 #[cfg_attr(not(target_arch = "spirv"), inline)]
-pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
-    let quarters = 4.0 * turns;
+pub fn sin_cos_2pi(x: f32) -> (f32, f32) {
+    let quarters = 4.0 * x;
     let t = quarters + ROUND;
-    turned(
+    rotate_quadrants(
         (quarters - (t - ROUND)) * core::f32::consts::FRAC_PI_2,
         t.to_bits(),
     )
 }
 
-/// Sine and cosine of a whole number of quarter turns, of which only the low bits count, and `r` of at most pi / 4.
+/// Sine and cosine of `quarter` pi / 2 + r, for `r` of at most pi / 4 in magnitude; only the low bits of `quarter` matter.
 #[inline]
-fn turned(r: f32, quarter: u32) -> (f32, f32) {
+fn rotate_quadrants(r: f32, quarter: u32) -> (f32, f32) {
     let (sin, cos) = sin_cos_octant(r);
     // Quarter turns by bits: branches would be taken at random.
     let (sin, cos) = (sin.to_bits(), cos.to_bits());

@@ -17,6 +17,6 @@ pub use basic::{
     abs, ceil, floor, is_finite, lerp, safe_sqrt, sqr, sqrt, to_index, to_integer, with_sign_of,
 };
 pub use elementary::{
-    atan, atan2, cos, exp, ln, pow, sin, sin_cos, sin_cos_octant, sin_cos_turns, tan,
+    atan, atan2, cos, exp, ln, pow, sin, sin_cos, sin_cos_2pi, sin_cos_octant, tan,
 };
 pub use special::{erf, erf_inv, erfc_scaled, exp_m1, gamma_1p, inverse_gamma_distribution, ln_1p};

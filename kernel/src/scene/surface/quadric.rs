@@ -15,7 +15,7 @@ use super::point::{SurfacePoint, detail};
 use crate::math::affine::{
     transform_magnitude, transform_normal, transform_point, transform_vector, translation,
 };
-use crate::math::float::{atan2, sin_cos_turns, sqrt};
+use crate::math::float::{atan2, sin_cos_2pi, sqrt};
 use crate::math::{Frame, field};
 use crate::scene::intersect::ROUNDING;
 use crate::scene::records::{quadric_kind, shape_flag};
@@ -42,14 +42,14 @@ struct Canonical {
 pub fn quadric_point(tables: &Tables<'_>, quadric: u32, u: f32, v: f32) -> SurfacePoint {
     let kind = field(tables.quadrics, quadric, |q| q.kind);
     let canonical = if kind == quadric_kind::SPHERE {
-        let (sin_phi, cos_phi) = sin_cos_turns(u);
-        let (sin_theta, cos_theta) = sin_cos_turns(0.5 * v);
+        let (sin_phi, cos_phi) = sin_cos_2pi(u);
+        let (sin_theta, cos_theta) = sin_cos_2pi(0.5 * v);
         sphere(cos_phi, sin_phi, sin_theta, cos_theta, Vec2::new(u, v))
     } else if kind == quadric_kind::DISK {
-        let (sin_phi, cos_phi) = sin_cos_turns(v);
+        let (sin_phi, cos_phi) = sin_cos_2pi(v);
         disk(cos_phi, sin_phi, Vec2::new(u, v))
     } else {
-        let (sin_phi, cos_phi) = sin_cos_turns(u);
+        let (sin_phi, cos_phi) = sin_cos_2pi(u);
         cylinder(cos_phi, sin_phi, Vec2::new(u, v))
     };
     to_group::<{ detail::CURVATURE }>(tables, quadric, canonical)

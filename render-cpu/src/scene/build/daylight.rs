@@ -17,7 +17,7 @@ use super::builder::Builder;
 use super::emitter::empty;
 use crate::image::{Bitmap, Texels};
 use crate::scene::color::ColorUse;
-use crate::scene::daylight::sun_position::PlaceAndTime;
+use crate::scene::daylight::sun_position::LocationAndTime;
 use crate::scene::daylight::{Daylight, sun};
 use crate::scene::error::SceneError;
 use crate::scene::transform;
@@ -108,7 +108,7 @@ impl Builder {
             along.extend(0.0),
             glam::DVec4::W,
         );
-        self.place(object, &mut record, frame)?;
+        self.set_transform(object, &mut record, frame)?;
         self.tables.emitters.push(record);
         Ok(())
     }
@@ -124,10 +124,10 @@ fn to_sun(object: &Object, to_world: &DMat4, up_is_z: bool) -> Result<DVec3, Sce
             .try_normalize()
             .ok_or_else(|| object.property_error("sun_direction", "has no length"));
     }
-    let default = PlaceAndTime::default();
+    let default = LocationAndTime::default();
     let [year, month, day] = default.date;
     let [hour, minute, second] = default.time;
-    let place = PlaceAndTime {
+    let place = LocationAndTime {
         latitude: object.get_float_in("latitude", default.latitude, -90.0, 90.0)?,
         longitude: object.get_float_in("longitude", default.longitude, -180.0, 180.0)?,
         timezone: object.get_float_in("timezone", default.timezone, -14.0, 14.0)?,

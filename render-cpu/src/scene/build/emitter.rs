@@ -79,7 +79,7 @@ impl Builder {
             Some(position) => DMat4::from_translation(DVec3::from_array(position)),
             None => object.get_transform("to_world")?,
         };
-        self.place(object, &mut record, to_world)?;
+        self.set_transform(object, &mut record, to_world)?;
         self.tables.emitters.push(record);
         Ok(())
     }
@@ -100,7 +100,7 @@ impl Builder {
             0.0,
         ];
         let to_world = object.get_transform("to_world")?;
-        self.place(object, &mut record, to_world)?;
+        self.set_transform(object, &mut record, to_world)?;
         self.tables.emitters.push(record);
         Ok(())
     }
@@ -139,7 +139,7 @@ impl Builder {
         let (x, y) = half_extents(fov as f32, axis, width, height);
         record.parameters = [x, y, 0.0, 0.0];
         let to_world = object.get_transform("to_world")?;
-        self.place(object, &mut record, to_world)?;
+        self.set_transform(object, &mut record, to_world)?;
         self.tables.emitters.push(record);
         Ok(())
     }
@@ -160,7 +160,7 @@ impl Builder {
             }
             None => object.get_transform("to_world")?,
         };
-        self.place(object, &mut record, to_world)?;
+        self.set_transform(object, &mut record, to_world)?;
         self.tables.emitters.push(record);
         Ok(())
     }
@@ -214,7 +214,7 @@ impl Builder {
         let (table_width, table_height) = emitter::environment_table_size(width, height);
         record.width = table_width;
         record.height = table_height;
-        self.place(object, &mut record, to_world)?;
+        self.set_transform(object, &mut record, to_world)?;
         let words = emitter::environment_table_words(table_width, table_height);
         let mut table = vec![0.0; words as usize];
         emitter::fill_environment_distribution(&self.tables.view(), &record, &mut table);
@@ -231,7 +231,8 @@ impl Builder {
         Ok(())
     }
 
-    pub(super) fn place(
+    /// Sets the transforms of a record.
+    pub(super) fn set_transform(
         &self,
         object: &Object,
         record: &mut Emitter,

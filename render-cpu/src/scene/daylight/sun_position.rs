@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// A location on the earth, and its local time.
 #[derive(Clone, Copy, Debug)]
-pub struct PlaceAndTime {
+pub struct LocationAndTime {
     /// Degrees to the north.
     pub latitude: f64,
     /// Degrees to the east.
@@ -20,10 +20,10 @@ pub struct PlaceAndTime {
     pub time: [f64; 3],
 }
 
-impl Default for PlaceAndTime {
+impl Default for LocationAndTime {
     /// Tokyo on an afternoon of July 2010, as in Mitsuba.
-    fn default() -> PlaceAndTime {
-        PlaceAndTime {
+    fn default() -> LocationAndTime {
+        LocationAndTime {
             latitude: 35.6894,
             longitude: 139.6917,
             timezone: 9.0,
@@ -33,7 +33,7 @@ impl Default for PlaceAndTime {
     }
 }
 
-impl PlaceAndTime {
+impl LocationAndTime {
     /// Polar angle from the zenith, and azimuth from the north towards the east, radians.
     pub fn sun(&self) -> (f64, f64) {
         let [year, month, day] = self.date;
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     fn at(latitude: f64, longitude: f64, date: [i64; 3], hour: f64) -> (f64, f64) {
-        let place = PlaceAndTime {
+        let place = LocationAndTime {
             latitude,
             longitude,
             timezone: 0.0,
@@ -107,10 +107,10 @@ mod tests {
             (35.6894, 9.0, [0.0956952, -0.614786, 0.782867]),
             (-35.0, 12.0, [-0.84035, 0.0543873, 0.539308]),
         ] {
-            let place = PlaceAndTime {
+            let place = LocationAndTime {
                 latitude,
                 time: [hour, 0.0, 0.0],
-                ..PlaceAndTime::default()
+                ..LocationAndTime::default()
             };
             let [x, y, z] = expected;
             // Single precision there leaves some seconds of the day open.

@@ -6,7 +6,7 @@
 
 use super::{BsdfSample, Lobe, event};
 use crate::math::{Rgb, warp};
-use core::f32::consts::FRAC_1_PI;
+use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3};
 
 /// The BSDF, without a cosine.
@@ -42,4 +42,20 @@ pub fn sample(lobe: &Lobe, wi: Vec3, _u1: f32, u2: Vec2) -> BsdfSample {
         eta: 1.0,
         event: event::REFLECTION | event::DIFFUSE,
     }
+}
+
+/// [`sample`] for a model that draws its directions from the same density and has the BSDF `eval` there.
+#[inline]
+pub fn sample_value(
+    lobe: &Lobe,
+    wi: Vec3,
+    u1: f32,
+    u2: Vec2,
+    eval: impl FnOnce(Vec3) -> Rgb,
+) -> BsdfSample {
+    let mut s = sample(lobe, wi, u1, u2);
+    if s.pdf > 0.0 {
+        s.weight = eval(s.wo) * PI;
+    }
+    s
 }

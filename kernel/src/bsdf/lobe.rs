@@ -1,6 +1,6 @@
 //! One lobe of a material: evaluation, density and sampling of the model that its kind names.
 //!
-//! The model is evaluated in its own frame, to which [`super::lobe_frame`] maps the directions: two-sided lobes, perturbed
+//! The model is evaluated in its own frame, to which `lobe_frame` maps the directions: two-sided lobes, perturbed
 //! frames and coats are handled there. The cosine that belongs to a lobe is that with its own normal, which is not the
 //! surface's under a normal or bump map. This level therefore works with `eval_cosine` = f |cos|, per lobe, not yet
 //! multiplied by the lobe's weight in the material.

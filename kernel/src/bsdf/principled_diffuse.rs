@@ -15,7 +15,7 @@
 use super::coat_reflection::half_vector;
 use super::{BsdfSample, Lobe, diffuse};
 use crate::math::{Rgb, float};
-use core::f32::consts::{FRAC_1_PI, PI};
+use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 
 /// Schlick's weight (1 - cos)^5.
@@ -52,9 +52,5 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 /// A cosine-distributed direction.
 #[inline]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    let mut s = diffuse::sample(lobe, wi, u1, u2);
-    if s.pdf > 0.0 {
-        s.weight = eval(lobe, wi, s.wo) * PI;
-    }
-    s
+    diffuse::sample_value(lobe, wi, u1, u2, |wo| eval(lobe, wi, wo))
 }

@@ -8,7 +8,6 @@ use super::coat_reflection::half_vector;
 use super::principled_diffuse::schlick_weight;
 use super::{BsdfSample, Lobe, diffuse};
 use crate::math::{Rgb, luminance};
-use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 /// The hue of a colour: the colour over its luminance, white for black.
@@ -43,9 +42,5 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
 /// A cosine-distributed direction.
 #[inline]
 pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
-    let mut s = diffuse::sample(lobe, wi, u1, u2);
-    if s.pdf > 0.0 {
-        s.weight = eval(lobe, wi, s.wo) * PI;
-    }
-    s
+    diffuse::sample_value(lobe, wi, u1, u2, |wo| eval(lobe, wi, wo))
 }

@@ -4,7 +4,7 @@
 //! `texture_u texture_v`; and attributes. Of the element `face`: the list `vertex_indices` or `vertex_index`, with
 //! polygons triangulated; the list `texcoord` of MeshLab, which gives each corner coordinates of its own; and attributes,
 //! repeated for each triangle of a polygon. Of `tristrips`: the list of indices, where -1 ends a strip. Other elements
-//! are skipped. Which properties are attributes: see [`super::ply_attributes`].
+//! are skipped. Which properties are attributes: see `ply_attributes`.
 //!
 //! # Why not a library
 //! `ply-rs-bw` reads the format with bounded reservations, but it represents each vertex as a map from names to values; its

@@ -3,7 +3,7 @@
 //! - Meshes: a triangle by the table of cumulative areas, then a uniform point on it; density per area `pmf / area`.
 //! - Disks and cylinders: a uniform point of the canonical surface; the affine map stretches its area by
 //!   `|det A| |A^-T N|`, N the canonical unit normal, which is constant unless the map squeezes a cylinder.
-//! - Spheres: a direction of the cone that the sphere subtends ([`super::sphere`]); density per solid angle.
+//! - Spheres: a direction of the cone that the sphere subtends (`super::sphere`); density per solid angle.
 //!
 //! Densities per area become densities per solid angle by `d^2 / |cos|` with the geometric normal. Whether a point
 //! emits towards the viewer is decided by its shading normal, as in Mitsuba. Points whose density would not be finite

@@ -5,6 +5,7 @@ use super::chains::render_groups;
 use super::options::{Outcome, RenderOptions, RunState};
 use super::passes::render_passes;
 use super::run_loop::{NoObserver, Observer, render_with};
+use super::shape::{Shape, shape};
 use super::splatting::render_layers;
 use super::stop::Stop;
 use super::tile_job::{TileJob, Workspace};
@@ -16,7 +17,7 @@ use crate::scene::build::Scene;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
+use halflight_kernel::transport::IntegratorSettings;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -129,31 +130,6 @@ impl Backend for CpuBackend<'_> {
             }
             Shape::Chains => render_groups(&view, settings, options, film, per_pixel, stop),
         })
-    }
-}
-
-/// How an algorithm's samples are driven.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
-    /// A sample is its pixel's alone.
-    Pixels,
-    /// A sample adds light to other pixels too.
-    Splats,
-    /// Samples of all pixels are taken in passes over what light walks left.
-    Passes,
-    /// A sample of all pixels is what a group of Markov chains finds.
-    Chains,
-}
-
-/// The driver of each kind of integrator.
-pub fn shape(kind: u32) -> Shape {
-    match kind {
-        integrator_kind::BIDIRECTIONAL
-        | integrator_kind::LIGHT_TRACING
-        | integrator_kind::VERTEX_MERGING => Shape::Splats,
-        integrator_kind::PROGRESSIVE_PHOTONS => Shape::Passes,
-        integrator_kind::PRIMARY_SAMPLE_MLT => Shape::Chains,
-        _ => Shape::Pixels,
     }
 }
 

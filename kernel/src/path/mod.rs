@@ -24,10 +24,14 @@ pub mod evaluation;
 pub mod rules;
 pub mod strategies;
 pub mod subpath;
+#[cfg(not(target_arch = "spirv"))]
+pub mod tracer;
 pub mod vertex;
 pub mod visibility;
 pub mod walk;
 pub mod weight;
+#[cfg(not(target_arch = "spirv"))]
+pub mod whole;
 
 pub use connection::Connector;
 pub use contribution::Contribution;

@@ -21,6 +21,8 @@ pub mod integrator_kind {
     pub const LIGHT_TRACING: u32 = 4;
     /// Metropolis chains in the space of primary samples (`transport/markov`).
     pub const PRIMARY_SAMPLE_MLT: u32 = 8;
+    /// Metropolis chains of whole paths (`transport/markov/veach`).
+    pub const VEACH_MLT: u32 = 9;
     /// Progressive photon mapping (`transport/photon/progressive.rs`).
     pub const PROGRESSIVE_PHOTONS: u32 = 16;
     /// Vertex connection and merging, or vertex merging alone (`transport/photon/merging.rs`).
@@ -86,6 +88,16 @@ pub struct ChainSettings {
     /// Samples per pixel of a group for direct illumination, which chains then leave out; 0 if chains find all (Mitsuba 0.6:
     /// `directSamples`).
     pub direct_samples: u32,
+    /// Mutations of a chain; 0 for those of the group over its chains (Mitsuba 0.6: `chainLength`).
+    pub chain_length: u32,
+    /// Weight of the bidirectional mutation of whole paths in the choice among those that a path allows.
+    pub bidirectional_weight: f32,
+    /// Of the lens perturbation.
+    pub lens_weight: f32,
+    /// Of the caustic perturbation.
+    pub caustic_weight: f32,
+    /// Of the multi-chain perturbation.
+    pub multi_chain_weight: f32,
 }
 
 impl ChainSettings {
@@ -97,6 +109,11 @@ impl ChainSettings {
         chains: 128,
         mutations: 0,
         direct_samples: 0,
+        chain_length: 0,
+        bidirectional_weight: 1.0,
+        lens_weight: 1.0,
+        caustic_weight: 1.0,
+        multi_chain_weight: 1.0,
     };
 
     /// Fewest mutations of a group: enough for its chains to be long and its start-up to be cheap.

@@ -22,7 +22,7 @@ pub fn shape(kind: u32) -> Shape {
         | integrator_kind::LIGHT_TRACING
         | integrator_kind::VERTEX_MERGING => Shape::Splats,
         integrator_kind::PROGRESSIVE_PHOTONS => Shape::Passes,
-        integrator_kind::PRIMARY_SAMPLE_MLT => Shape::Chains,
+        integrator_kind::PRIMARY_SAMPLE_MLT | integrator_kind::VEACH_MLT => Shape::Chains,
         _ => Shape::Pixels,
     }
 }

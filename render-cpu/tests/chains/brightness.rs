@@ -8,23 +8,24 @@ use halflight_kernel::transport::IntegratorSettings;
 use halflight_kernel::transport::markov::primary_space::technique;
 use halflight_kernel::transport::settings::{ChainSettings, integrator_kind};
 
-const DIFFUSE: &str =
+pub const DIFFUSE: &str =
     r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.5, 0.3"/></bsdf>"#;
 
-const GLOSSY: &str = r#"<bsdf type="roughconductor"><float name="alpha" value="0.2"/></bsdf>"#;
+pub const GLOSSY: &str = r#"<bsdf type="roughconductor"><float name="alpha" value="0.2"/></bsdf>"#;
 
-const BALL: &str = r#"<shape type="sphere"><point name="center" value="0.2, 0.5, 0"/><float name="radius" value="0.4"/>
+pub const BALL: &str = r#"<shape type="sphere"><point name="center" value="0.2, 0.5, 0"/><float name="radius" value="0.4"/>
     <bsdf type="dielectric"/></shape>"#;
 
-const VEIL: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.8"/><translate z="0.8" y="1"/></transform>
+pub const VEIL: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.8"/><translate z="0.8" y="1"/></transform>
     <bsdf type="mask"><float name="opacity" value="0.4"/><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf></shape>"#;
 
-const POINT: &str = r#"<emitter type="point"><point name="position" value="0, 1.7, 0"/>
+pub const POINT: &str = r#"<emitter type="point"><point name="position" value="0, 1.7, 0"/>
     <rgb name="intensity" value="3, 2, 1"/></emitter>"#;
 
-const SKY: &str = r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#;
+pub const SKY: &str =
+    r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter>"#;
 
-fn camera(kind: &str, own: &str) -> String {
+pub fn camera(kind: &str, own: &str) -> String {
     PINHOLE.replace("perspective", kind).replace(
         r#"<float name="fov""#,
         &format!(r#"{own}<float name="fov""#),
@@ -45,6 +46,7 @@ fn chains(kind: u32) -> ChainSettings {
         chains: 16,
         mutations: 96,
         direct_samples: 0,
+        ..ChainSettings::DEFAULT
     }
 }
 

@@ -8,3 +8,4 @@ mod promises;
 #[path = "../bidirectional/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;
+mod whole_paths;

@@ -117,7 +117,10 @@ layouts! {
     occlusion, OcclusionSettings { samples, distance }
     bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted }
     photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness, connections }
-    chains, ChainSettings { technique, p_large, candidates, chains, mutations, direct_samples }
+    chains, ChainSettings {
+        technique, p_large, candidates, chains, mutations, direct_samples, chain_length, bidirectional_weight,
+        lens_weight, caustic_weight, multi_chain_weight
+    }
     constants, SceneConstants { camera, info, settings }
     item, WorkItem { pixel, sample, slot }
     dispatch, Dispatch { count, seed, sampler, first }

@@ -176,6 +176,31 @@ pub fn sample(
     sample
 }
 
+/// A ray whose start is that of another, the position of an area or point light or the direction of one at infinity: the rest is
+/// sampled as in [`sample`]. Not for shaders, which keep no starts.
+#[cfg(not(target_arch = "spirv"))]
+pub fn resume(
+    tables: &Tables<'_>,
+    emitter: u32,
+    point: &SurfacePoint,
+    direction: Vec3,
+    u_position: Vec2,
+    u_direction: Vec2,
+) -> Ray {
+    let record = &tables.emitters[emitter as usize];
+    if record.kind == emitter_kind::AREA {
+        let local = warp::square_to_cosine_hemisphere(u_direction);
+        let frame = Frame::from_normal(point.frame.n);
+        point.spawn(frame.to_world(local).normalize())
+    } else if is_infinite(record.kind) {
+        from_disk(tables, direction, u_position)
+    } else {
+        let local = sample_delta_direction(tables, emitter, u_direction);
+        let direction = transform_vector(&record.to_world, local).normalize();
+        Ray::new(translation(&record.to_world), direction)
+    }
+}
+
 /// The density with which [`sample`] starts a ray at a point of an emitter (whose position matters for area lights only) in
 /// the unit `direction`, which leads away from it. Zero for discrete emitters other than the given one.
 pub fn density(

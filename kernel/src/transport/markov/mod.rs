@@ -18,7 +18,8 @@
 //! - [`algorithm`]: what a driver needs to know of an algorithm;
 //! - [`state`]: what a state adds to the image;
 //! - [`primary_space`]: paths as functions of primary samples: over `path`, over `bdpt`, and multiplexed;
-//! - [`primary_chain`]: chains of primary samples.
+//! - [`primary_chain`]: chains of primary samples;
+//! - [`veach`]: chains of whole paths.
 //!
 //! Hosts only: the records of a chain are long.
 
@@ -26,7 +27,9 @@ pub mod algorithm;
 pub mod primary_chain;
 pub mod primary_space;
 pub mod state;
+pub mod veach;
 
 pub use algorithm::ChainAlgorithm;
 pub use primary_chain::PrimaryChains;
 pub use state::{Splat, State};
+pub use veach::VeachChains;

@@ -53,6 +53,14 @@ pub const INTEGRATORS: &[Integrator] = &[
         name: "mmlt",
         about: "the same, one strategy at a time",
     },
+    Integrator {
+        name: "mlt",
+        about: "chains of whole paths",
+    },
+    Integrator {
+        name: "erpt",
+        about: "short chains of whole paths, many of them",
+    },
 ];
 
 /// The algorithm of a name.

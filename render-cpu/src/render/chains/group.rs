@@ -1,7 +1,7 @@
 //! One group of chains, on all threads: candidates, starts, then rounds of mutations.
 //!
 //! Candidates are weighed in chunks; the starts of the chains are spread evenly over the sum of the weights, at one random
-//! offset (systematic resampling), so that a candidate of weight I starts (I / sum) times as many chains as there are, up to one.
+//! offset (systematic resampling), so that a candidate of weight I starts I / sum of them, up to one more or less.
 //! Chains then mutate in rounds: each fills its own list of splats, and the lists are added in the order of the chains,
 //! so that sums are a function of seed and group.
 
@@ -19,6 +19,9 @@ const CHUNK: u32 = 256;
 
 /// Mutations of a chain between two sums.
 const ROUND: u32 = 512;
+
+/// Chains that are under way together.
+const BATCH: usize = 512;
 
 /// Rows whose splats are added by one thread.
 const BAND: u32 = 16;
@@ -78,60 +81,63 @@ pub fn run<A: ChainAlgorithm>(
     let b = (total / f64::from(size.candidates)) as f32;
     let starts = resample(&candidates, total, size.chains, offset);
     let bands = height.div_ceil(BAND) as usize;
-    let mut tasks: Vec<Task<A::Chain>> = starts
-        .into_par_iter()
-        .enumerate()
-        .map(|(number, start)| Task {
-            chain: algorithm.start(start.candidate, start.member, number as u32),
-            bands: vec![Vec::new(); bands],
-        })
-        .collect();
-    let mut done = 0;
-    while done < size.steps {
-        if stop.is_urgent() {
-            return None;
-        }
-        let round = ROUND.min(size.steps - done);
-        done += round;
-        let is_last = done == size.steps;
-        tasks.par_iter_mut().for_each(|task| {
-            let Task { chain, bands } = task;
-            bands.iter_mut().for_each(Vec::clear);
-            let mut add = |splat: halflight_kernel::transport::markov::Splat| {
-                let splat = Splat {
-                    film: splat.film,
-                    value: splat.value,
+    for (batch, starts) in starts.chunks(BATCH).enumerate() {
+        let numbers = (batch * BATCH) as u32..;
+        let starts: Vec<(u32, Weighed)> = numbers.zip(starts.iter().copied()).collect();
+        let mut tasks: Vec<Task<A::Chain>> = starts
+            .into_par_iter()
+            .map(|(number, start)| Task {
+                chain: algorithm.start(start.candidate, start.member, number),
+                bands: vec![Vec::new(); bands],
+            })
+            .collect();
+        let mut done = 0;
+        while done < size.steps {
+            if stop.is_urgent() {
+                return None;
+            }
+            let round = ROUND.min(size.steps - done);
+            done += round;
+            let is_last = done == size.steps;
+            tasks.par_iter_mut().for_each(|task| {
+                let Task { chain, bands } = task;
+                bands.iter_mut().for_each(Vec::clear);
+                let mut add = |splat: halflight_kernel::transport::markov::Splat| {
+                    let splat = Splat {
+                        film: splat.film,
+                        value: splat.value,
+                    };
+                    let rows = filter.rows(&splat);
+                    if !rows.is_empty() {
+                        for band in rows.start / BAND..=(rows.end - 1) / BAND {
+                            bands[band as usize].push(splat);
+                        }
+                    }
                 };
-                let rows = filter.rows(&splat);
-                if !rows.is_empty() {
-                    for band in rows.start / BAND..=(rows.end - 1) / BAND {
-                        bands[band as usize].push(splat);
-                    }
+                for _ in 0..round {
+                    algorithm.step(chain, b, &mut add);
                 }
-            };
-            for _ in 0..round {
-                algorithm.step(chain, b, &mut add);
-            }
-            if is_last {
-                algorithm.finish(chain, b, &mut add);
-            }
-        });
-        let rows = BAND as usize * width as usize;
-        image
-            .sums
-            .par_chunks_mut(rows)
-            .enumerate()
-            .for_each(|(band, sums)| {
-                for task in &tasks {
-                    for splat in &task.bands[band] {
-                        filter.add(splat, band as u32 * BAND, sums);
-                    }
+                if is_last {
+                    algorithm.finish(chain, b, &mut add);
                 }
             });
-    }
-    for task in &tasks {
-        for (sum, counts) in image.counts.iter_mut().zip(A::counts(&task.chain)) {
-            sum.merge(counts);
+            let rows = BAND as usize * width as usize;
+            image
+                .sums
+                .par_chunks_mut(rows)
+                .enumerate()
+                .for_each(|(band, sums)| {
+                    for task in &tasks {
+                        for splat in &task.bands[band] {
+                            filter.add(splat, band as u32 * BAND, sums);
+                        }
+                    }
+                });
+        }
+        for task in &tasks {
+            for (sum, counts) in image.counts.iter_mut().zip(A::counts(&task.chain)) {
+                sum.merge(counts);
+            }
         }
     }
     Some(image)

@@ -26,7 +26,7 @@ use halflight_kernel::sampler::{FreshSamples, IndependentSampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::markov::primary_space::PrimarySpace;
-use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains};
+use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains, VeachChains};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
@@ -89,15 +89,26 @@ pub fn render_groups<T: Traverse + Sync>(
 ) -> PassEnd {
     let own = &settings.chains;
     let min_edges = if own.direct_samples > 0 { 3 } else { 1 };
-    let space = PrimarySpace::new(view, settings, own.technique, min_edges);
     let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
-    let chains = PrimaryChains::new(space, own.p_large, options.seed, first);
+    let of_samples = (settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT).then(|| {
+        let space = PrimarySpace::new(view, settings, own.technique, min_edges);
+        PrimaryChains::new(space, own.p_large, options.seed, first)
+    });
     for group in first..first + groups {
         if group > first && stop.is_set() {
             return PassEnd::Cut;
         }
-        let chains = chains.of_group(group);
-        if !add_group(view, settings, options, film, group, &chains, stop) {
+        let is_complete = match &of_samples {
+            Some(chains) => {
+                let chains = chains.of_group(group);
+                add_group(view, settings, options, film, group, &chains, stop)
+            }
+            None => {
+                let chains = VeachChains::new(view, settings, min_edges, options.seed, group);
+                add_group(view, settings, options, film, group, &chains, stop)
+            }
+        };
+        if !is_complete {
             return PassEnd::Cut;
         }
     }
@@ -118,7 +129,10 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     let size = [film.width(), film.height()];
     let pixels = size[0] * size[1];
     let mutations = u64::from(own.mutations_per_pixel(pixels)) * u64::from(pixels);
-    let chains = own.chains.max(1);
+    let chains = match own.chain_length {
+        0 => own.chains.max(1),
+        length => mutations.div_ceil(u64::from(length)).max(1) as u32,
+    };
     let steps = mutations.div_ceil(u64::from(chains)) as u32;
     let plan = GroupSize {
         candidates: match own.candidates {

@@ -24,5 +24,37 @@ pub(super) fn read_chains(object: &Object, chains: &mut ChainSettings) -> Result
     chains.direct_samples = object.get_int_in("direct_samples", 0, -1, 1 << 20)?.max(0) as u32;
     chains.chains = object.get_int_in("chains", 128, 1, 1 << 16)? as u32;
     chains.mutations = object.get_int_in("group_mutations", 0, 0, 1 << 20)? as u32;
+    for (name, weight) in [
+        ("bidirectional_mutation", &mut chains.bidirectional_weight),
+        ("lens_perturbation", &mut chains.lens_weight),
+        ("caustic_perturbation", &mut chains.caustic_weight),
+        ("multi_chain_perturbation", &mut chains.multi_chain_weight),
+    ] {
+        *weight = switch_or_weight(object, name)?;
+    }
+    Ok(())
+}
+
+/// A mutation of `mlt`: on or off as in Mitsuba 0.6, or its weight in the choice.
+fn switch_or_weight(object: &Object, name: &str) -> Result<f32, SceneError> {
+    let weight_name = format!("{name}_weight");
+    let is_on = object.get_bool(name, true)?;
+    let weight = object.get_float_in(&weight_name, 1.0, 0.0, 1e6)?;
+    Ok(if is_on { weight as f32 } else { 0.0 })
+}
+
+/// Energy redistribution: chains are short and many, and start wherever there is light instead of going there.
+///
+/// # Errors
+/// If a value is out of its range.
+pub(super) fn redistribute(
+    object: Option<&Object>,
+    chains: &mut ChainSettings,
+) -> Result<(), SceneError> {
+    chains.bidirectional_weight = 0.0;
+    chains.chain_length = match object {
+        Some(object) => object.get_int_in("chain_length", 100, 1, 1 << 20)? as u32,
+        None => 100,
+    };
     Ok(())
 }

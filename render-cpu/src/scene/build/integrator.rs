@@ -3,7 +3,7 @@
 //! Some integrators enclose others and add to their results: `aov`, `moment`, `adaptive`, `irrcache`, and `multichannel` with
 //! its `field`s. The enclosed integrator runs, with its own parameters; the additions become layers of the image.
 
-use super::chain_settings::read_chains;
+use super::chain_settings::{read_chains, redistribute};
 use super::options::BuildOptions;
 use crate::film::aov::{Aov, AovSet};
 use crate::scene::error::SceneError;
@@ -80,9 +80,14 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
             settings.chains.technique = technique::MULTIPLEXED;
             integrator_kind::PRIMARY_SAMPLE_MLT
         }
+        "mlt" => integrator_kind::VEACH_MLT,
+        "erpt" => {
+            redistribute(object.map(|o| &**o), &mut settings.chains)?;
+            integrator_kind::VEACH_MLT
+        }
         other if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
-                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, pssmlt, mmlt, ppm, \
+                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, pssmlt, mmlt, mlt, erpt, ppm, \
                  sppm, vcm, vm and bpm"
             )));
         }

@@ -1,0 +1,151 @@
+//! Edges of whole paths: those that are traced along sampled directions, and those that are tested.
+//!
+//! Where light may pass straight through a surface, a walk passes with the largest channel of the transmittance as probability;
+//! the probabilities of all that it passed and that of standing where it ended are kept, because they are the same both ways.
+//! What stands in the way of a connection dims it.
+//!
+//! Hosts only, as [`super::whole`].
+
+use super::rules::PathRules;
+use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
+use super::whole::{SMOOTH, Vertex, p_through};
+use crate::bsdf::{Bsdf, event, mode};
+use crate::math::{Ray, Rgb};
+use crate::sampler::Sampler;
+use crate::scene::surface::{detail, surface_with};
+use crate::scene::{NONE, SceneView, SurfacePoint, Traverse, scene_flag};
+use glam::Vec3;
+
+/// What lies along an edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge {
+    /// Transmittance.
+    pub transmittance: Rgb,
+    /// Probability that a walk passes.
+    pub pass: f32,
+}
+
+/// Where a walk arrived.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// The surface; nothing where it left the scene.
+    pub point: Option<SurfacePoint>,
+    /// What it passed.
+    pub edge: Edge,
+}
+
+/// The scene and the rules of walks in it.
+pub struct Tracer<'a, T: Traverse> {
+    /// The scene.
+    pub view: &'a SceneView<'a, T>,
+    /// The rules.
+    pub rules: PathRules,
+}
+
+impl<T: Traverse> Clone for Tracer<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T: Traverse> Copy for Tracer<'_, T> {}
+
+impl<T: Traverse> Tracer<'_, T> {
+    /// Follows a ray to the surface where a walk stands; `from_sensor` passes emitters that the sensor does not see.
+    pub fn trace<S: Sampler>(&self, ray: &Ray, from_sensor: bool, sampler: &mut S) -> Arrival {
+        let tables = &self.view.tables;
+        let mut ray = *ray;
+        let mut edge = Edge {
+            transmittance: Vec3::ONE,
+            pass: 1.0,
+        };
+        for _ in 0..MAX_NULL_CROSSINGS {
+            let hit = self.view.traverse.closest_hit(&ray);
+            if !hit.is_hit() {
+                break;
+            }
+            let point = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
+            let is_hidden = from_sensor && self.rules.hide_emitters != 0 && point.emitter != NONE;
+            if !is_hidden {
+                let through = p_through(tables, &point);
+                let p = through.max_element().min(1.0);
+                if !(p > 0.0) || sampler.next_1d() >= p {
+                    return Arrival {
+                        point: Some(point),
+                        edge,
+                    };
+                }
+                edge.transmittance *= through;
+                edge.pass *= p;
+            }
+            pass_through(&mut ray, &point);
+        }
+        Arrival { point: None, edge }
+    }
+
+    /// What lies along a segment, nothing if it is blocked; `to_sensor` passes emitters that the sensor does not see.
+    pub fn test(&self, segment: &Ray, to_sensor: bool) -> Option<Edge> {
+        let tables = &self.view.tables;
+        let passes_emitters = to_sensor && self.rules.hide_emitters != 0;
+        let mut edge = Edge {
+            transmittance: Vec3::ONE,
+            pass: 1.0,
+        };
+        if tables.info.flags & scene_flag::HAS_NULL == 0 && !passes_emitters {
+            let is_free = !self.view.traverse.is_occluded(segment);
+            return is_free.then_some(edge);
+        }
+        let mut ray = *segment;
+        for _ in 0..MAX_NULL_CROSSINGS {
+            let hit = self.view.traverse.closest_hit(&ray);
+            if !hit.is_hit() {
+                return Some(edge);
+            }
+            let point = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
+            if !(passes_emitters && point.emitter != NONE) {
+                let through = p_through(tables, &point);
+                let p = through.max_element().min(1.0);
+                if !(p > 0.0) {
+                    return None;
+                }
+                edge.transmittance *= through;
+                edge.pass *= p;
+            }
+            pass_through(&mut ray, &point);
+            if ray.t_max <= 0.0 {
+                return Some(edge);
+            }
+        }
+        None
+    }
+
+    /// Samples how a walk that came against the unit direction `back` leaves a vertex, and notes the event there.
+    pub fn scatter<S: Sampler>(
+        &self,
+        vertex: &mut Vertex,
+        back: Vec3,
+        bsdf: &mut Bsdf,
+        sampler: &mut S,
+    ) -> Option<Ray> {
+        let tables = &self.view.tables;
+        let (u1, u2) = (sampler.next_1d(), sampler.next_2d());
+        let point = &vertex.point;
+        let wi = point.frame.to_local(back);
+        if !self.rules.allows(point, back, wi.z) {
+            return None;
+        }
+        bsdf.look_up(tables, point, wi, mode::RADIANCE);
+        let sample = bsdf.sample(tables.data, wi, u1, u2);
+        if !(sample.pdf > 0.0) || sample.event & event::NULL != 0 {
+            return None;
+        }
+        vertex.event = if sample.event & event::DELTA != 0 {
+            sample.event
+        } else {
+            SMOOTH
+        };
+        let direction = point.frame.to_world(sample.wo).normalize();
+        let allowed = self.rules.allows(point, direction, sample.wo.z);
+        allowed.then(|| point.spawn(direction))
+    }
+}

@@ -1,0 +1,528 @@
+//! Whole paths, vertex by vertex: what they carry, and the density of every strategy that can make them.
+//!
+//! A path x_0 ... x_k goes from a light to a lens. Its contribution is written in the measure in which a camera walk would have
+//! sampled it: a film position, a lens point, and at each vertex that is no discrete event the solid angle of the direction
+//! to the vertex before,
+//!
+//! ```text
+//! f = Le(x_0 -> x_1) prod_(i=1)^(k-1) f_i |cos_i| prod_edges transmittance,
+//! ```
+//!
+//! with f_i |cos_i| the number that [`super::evaluation`] defines; at a discrete event it is the event's weight times its
+//! probability. A vertex that the light walk samples has its density in the same measure, by the conservation of etendue
+//!
+//! ```text
+//! dA_j dw_j n_j^2 cos_j = dA_m dw_m n_m^2 cos_m
+//! ```
+//!
+//! between vertices j and m that are connected by discrete events alone: so a light subpath x_0 ... x_(s-1) has the density
+//!
+//! ```text
+//! p_A(x_0) p_w(x_0 -> x_1) prod_(i=1)^(s-2) p_i(-> x_(i+1)) r_i  *  cos_(s-1) / cos_0,
+//! ```
+//!
+//! r_i the ratio of the geometric cosines of arriving and leaving at x_i, which at a discrete event is multiplied by the squared
+//! relative index from the side of x_(i-1) to that of x_(i+1) and divided by the same ratio for the normal that the event knows, so
+//! that only the index is left where the two normals are one; the edge that joins it to the camera subpath adds d^2 / cos. Lights without an
+//! extent or without a direction have formal densities, which no strategy but those that start on them or choose
+//! them can have, so that they cancel.
+//!
+//! Every strategy's estimate of the path is then f / p_s, whatever the measure ([`Path::strategy_pdf`]).
+//! Invariants (tests): f / p_s is what bidirectional path tracing adds for that strategy, unweighted.
+//!
+//! Hosts only: a path holds its surface points, because chains come back to them many times.
+
+use super::rules::PathRules;
+use super::visibility::has_masks;
+use crate::bsdf::{Bsdf, event, lobe, mode, null_transmittance};
+use crate::math::{Ray, Rgb, float, luminance, vec3};
+use crate::scene::emitter::emission::{self, is_delta, is_infinite};
+use crate::scene::emitter::{self, area_radiance, delta, environment_radiance};
+use crate::scene::surface::{detail, surface_with};
+use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera, emitter_kind, lobe_kind};
+use arrayvec::ArrayVec;
+use glam::{Vec2, Vec3};
+
+/// A direction of a discrete event is found again to this cosine.
+const SAME_DIRECTION: f32 = 1.0 - 2e-4;
+
+/// Marks a vertex that is no discrete event.
+pub const SMOOTH: u32 = 0;
+
+/// A vertex of a whole path.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex {
+    /// The surface point; of a point light and of the lens only the position means anything.
+    pub point: SurfacePoint,
+    /// Bits of [`event`] of a discrete event, [`SMOOTH`] for none.
+    pub event: u32,
+    /// Whether the material has one direction only for that kind of event.
+    pub is_unique: bool,
+    /// f |cos| from the next vertex to the one before.
+    pub value: Rgb,
+    /// Density of the direction to the one before, sampled by a camera walk.
+    pub pdf_to_light: f32,
+    /// Density of the direction to the next, sampled by a light walk.
+    pub pdf_to_sensor: f32,
+    /// Of a discrete event: the squared relative index, from the side of the one before to that of the next, over the ratio of
+    /// cosines with the normal that the event knows, of the direction to the one before and that to the next.
+    pub ratio: f32,
+    /// Probability that a walk which meets the surface stands there, if light may pass straight through.
+    pub stop: f32,
+    /// Transmittance of the edge to the next vertex.
+    pub transmittance: Rgb,
+    /// Probability that a walk passes all that lies on that edge.
+    pub pass: f32,
+}
+
+impl Vertex {
+    /// A vertex that is no surface: a point light, a light at infinity, a lens.
+    pub fn bare(tables: &Tables<'_>, position: Vec3) -> Vertex {
+        let point = SurfacePoint {
+            position,
+            material: NONE,
+            ..SurfacePoint::ZERO
+        };
+        Vertex::new(tables, &point)
+    }
+
+    /// A vertex at a surface point.
+    pub fn new(tables: &Tables<'_>, point: &SurfacePoint) -> Vertex {
+        Vertex {
+            point: *point,
+            event: SMOOTH,
+            is_unique: true,
+            value: Vec3::ZERO,
+            pdf_to_light: 0.0,
+            pdf_to_sensor: 0.0,
+            ratio: 1.0,
+            stop: 1.0 - p_through(tables, point).max_element().min(1.0),
+            transmittance: Vec3::ONE,
+            pass: 1.0,
+        }
+    }
+
+    /// Looks up all of the surface again: points of emitters are sampled without the tangents that scattering reads.
+    pub fn complete(&mut self, tables: &Tables<'_>) {
+        let point = &self.point;
+        let hit = Hit {
+            t: 0.0,
+            b1: point.barycentric.x,
+            b2: point.barycentric.y,
+            primitive: point.primitive,
+            instance: point.instance,
+        };
+        let ray = Ray::new(point.position, point.geometric_normal);
+        self.point = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
+    }
+
+    /// Whether it may be connected.
+    #[inline]
+    pub fn is_smooth(&self) -> bool {
+        self.event == SMOOTH
+    }
+}
+
+/// What light passes straight through a surface.
+#[inline]
+pub fn p_through(tables: &Tables<'_>, point: &SurfacePoint) -> Rgb {
+    if has_masks(tables, point) {
+        null_transmittance(tables, point)
+    } else {
+        Vec3::ZERO
+    }
+}
+
+/// A whole path of at most `N` vertices.
+#[derive(Clone, Debug)]
+pub struct Path<const N: usize> {
+    /// From the light to the lens; that of a light at infinity stands for its direction alone.
+    pub vertices: ArrayVec<Vertex, N>,
+    /// The emitter of the first vertex.
+    pub emitter: u32,
+    /// Unit direction from the second vertex to the first.
+    pub to_light: Vec3,
+    /// Film position in pixels of the whole film.
+    pub film: Vec2,
+    /// Numbers that choose the lens point.
+    pub u_lens: Vec2,
+    /// Density of the film position per perpendicular area at the vertex before the lens.
+    pub importance: f32,
+    /// Unit direction from that vertex to the lens.
+    pub to_lens: Vec3,
+    /// f of the header.
+    pub value: Rgb,
+}
+
+impl<const N: usize> Path<N> {
+    /// No path.
+    pub fn empty() -> Path<N> {
+        Path {
+            vertices: ArrayVec::new(),
+            emitter: NONE,
+            to_light: Vec3::Z,
+            film: Vec2::ZERO,
+            u_lens: Vec2::ZERO,
+            importance: 0.0,
+            to_lens: Vec3::Z,
+            value: Vec3::ZERO,
+        }
+    }
+
+    /// k.
+    #[inline]
+    pub fn edges(&self) -> usize {
+        self.vertices.len().saturating_sub(1)
+    }
+
+    /// Luminance of f.
+    #[inline]
+    pub fn luminance(&self) -> f32 {
+        luminance(self.value)
+    }
+
+    /// Unit direction from vertex `i` to the next.
+    pub fn next_direction(&self, i: usize) -> Vec3 {
+        if i + 2 == self.vertices.len() {
+            self.to_lens
+        } else if i == 0 {
+            -self.to_light
+        } else {
+            let between = self.vertices[i + 1].point.position - self.vertices[i].point.position;
+            between.normalize()
+        }
+    }
+
+    /// Unit direction from vertex `i` to the one before.
+    pub fn previous_direction(&self, i: usize) -> Vec3 {
+        if i == 1 {
+            self.to_light
+        } else {
+            -self.next_direction(i - 1)
+        }
+    }
+
+    /// Whether the light is at infinity.
+    pub fn is_infinite(&self, tables: &Tables<'_>) -> bool {
+        is_infinite(tables.emitters[self.emitter as usize].kind)
+    }
+
+    /// Looks up what the sensor and the light say of the path's ends, and all of its vertices; says whether it carries light.
+    /// Positions, discrete events, the emitter, the lens numbers, transmittances and `to_light` of lights at infinity are given.
+    pub fn evaluate(&mut self, tables: &Tables<'_>, rules: &PathRules, bsdf: &mut Bsdf) -> bool {
+        self.value = Vec3::ZERO;
+        let k = self.edges();
+        if k == 0 || k > rules.max_depth as usize || self.emitter == NONE {
+            return false;
+        }
+        if k > 1 || !self.is_infinite(tables) {
+            let seen =
+                camera::film_position(tables, self.vertices[k - 1].point.position, self.u_lens);
+            if !seen.is_valid {
+                return false;
+            }
+            self.film = seen.film;
+            self.to_lens = seen.direction;
+            self.importance = seen.importance * camera::pixels_per_window_pixel(&tables.camera);
+        } else {
+            self.to_lens = -self.to_light;
+        }
+        if !self.is_infinite(tables) {
+            self.to_light = if k == 1 {
+                -self.to_lens
+            } else {
+                (self.vertices[0].point.position - self.vertices[1].point.position).normalize()
+            };
+        }
+        let hides = rules.hide_emitters != 0;
+        let is_hidden = |vertex: &Vertex| vertex.point.emitter != NONE;
+        if hides && (k == 1 || is_hidden(&self.vertices[k - 1])) {
+            return false;
+        }
+        let mut value = self.emitted(tables);
+        for i in 1..k {
+            if !(value.max_element() > 0.0) || !self.look_up(tables, rules, i, bsdf) {
+                return false;
+            }
+            value *= self.vertices[i].value;
+        }
+        for vertex in &self.vertices[..k] {
+            value *= vertex.transmittance;
+        }
+        if !(value.max_element() > 0.0) || !value.is_finite() {
+            return false;
+        }
+        self.value = value;
+        true
+    }
+
+    /// Le: radiance, or intensity, or irradiance, of the first vertex towards the second.
+    fn emitted(&self, tables: &Tables<'_>) -> Rgb {
+        let record = &tables.emitters[self.emitter as usize];
+        let outgoing = -self.to_light;
+        match record.kind {
+            emitter_kind::AREA => area_radiance(tables, &self.vertices[0].point, outgoing),
+            emitter_kind::DIRECTIONAL => vec3(record.radiance.value),
+            kind if is_infinite(kind) => environment_radiance(tables, self.to_light),
+            _ => delta::intensity(tables, self.emitter, outgoing),
+        }
+    }
+
+    /// Value and densities at an inner vertex; says whether anything is scattered.
+    fn look_up(
+        &mut self,
+        tables: &Tables<'_>,
+        rules: &PathRules,
+        i: usize,
+        bsdf: &mut Bsdf,
+    ) -> bool {
+        let (to_sensor, to_light) = (self.next_direction(i), self.previous_direction(i));
+        let vertex = &mut self.vertices[i];
+        let point = &vertex.point;
+        let (wc, wl) = (
+            point.frame.to_local(to_sensor),
+            point.frame.to_local(to_light),
+        );
+        if !rules.allows(point, to_sensor, wc.z) || !rules.allows(point, to_light, wl.z) {
+            return false;
+        }
+        bsdf.look_up(tables, point, wc, mode::RADIANCE);
+        if vertex.is_smooth() {
+            let both = bsdf.eval_cosine_pdf_both(tables, point, wc, wl, false);
+            vertex.value = both.value;
+            vertex.pdf_to_light = both.pdf;
+            vertex.pdf_to_sensor = both.pdf_reverse;
+            vertex.ratio = 1.0;
+        } else {
+            let forward = discrete(bsdf, tables, wc, wl, vertex.event);
+            bsdf.look_up(tables, point, wl, mode::RADIANCE);
+            let back = discrete(bsdf, tables, wl, wc, vertex.event);
+            vertex.value = forward.value;
+            vertex.pdf_to_light = forward.pdf;
+            vertex.pdf_to_sensor = back.pdf;
+            // The relative index of the way back leads from the light's side to the sensor's.
+            vertex.ratio = 1.0 / (float::sqr(forward.eta) * back.exchange);
+            vertex.is_unique = forward.is_unique && back.is_unique;
+        }
+        vertex.value.max_element() > 0.0
+    }
+
+    /// |cos| at vertex `i` of a direction with the geometric normal; one where there is no surface.
+    #[inline]
+    fn cosine(&self, i: usize, direction: Vec3) -> f32 {
+        float::abs(self.vertices[i].point.geometric_normal.dot(direction))
+    }
+
+    /// Squared length of the edge to the next vertex.
+    #[inline]
+    fn distance2(&self, i: usize) -> f32 {
+        (self.vertices[i + 1].point.position - self.vertices[i].point.position).length_squared()
+    }
+
+    /// cos_0 of the header.
+    fn light_cosine(&self, tables: &Tables<'_>) -> f32 {
+        if tables.emitters[self.emitter as usize].kind == emitter_kind::AREA {
+            self.cosine(0, self.to_light)
+        } else {
+            1.0
+        }
+    }
+
+    /// Turns the density of vertex `i` per area into one per solid angle at the next, or over the film before the lens: d^2 /
+    /// cos, one for directions to lights at infinity.
+    pub fn solid_angle_per_area(&self, tables: &Tables<'_>, i: usize) -> f32 {
+        let k = self.edges();
+        if i + 1 == k {
+            let cosine = if i == 0 {
+                self.light_cosine(tables)
+            } else {
+                self.cosine(i, self.to_lens)
+            };
+            return 1.0 / (self.importance * cosine);
+        }
+        if i == 0 {
+            if self.is_infinite(tables) {
+                return 1.0;
+            }
+            return self.distance2(0) / self.light_cosine(tables);
+        }
+        self.distance2(i) / self.cosine(i, self.next_direction(i))
+    }
+
+    /// The ratio r_i of an inner vertex.
+    pub fn light_ratio(&self, i: usize) -> f32 {
+        let cosines =
+            self.cosine(i, self.previous_direction(i)) / self.cosine(i, self.next_direction(i));
+        cosines * self.vertices[i].ratio
+    }
+
+    /// cos_i / cos_0 of a light subpath's last vertex `i` >= 1.
+    pub fn end_ratio(&self, tables: &Tables<'_>, i: usize) -> f32 {
+        self.cosine(i, self.previous_direction(i)) / self.light_cosine(tables)
+    }
+
+    /// p_s: density of the strategy with `s` vertices from the light, of which the sensor's subpath has at least the lens; zero
+    /// where there is no such strategy. With `keeps_light` the point of the strategy s = 1 is the start of a light walk.
+    pub fn strategy_pdf(&self, tables: &Tables<'_>, s: usize, keeps_light: bool) -> f32 {
+        let k = self.edges();
+        let kind = tables.emitters[self.emitter as usize].kind;
+        let joins = |i: usize| i == 0 || i == k || self.vertices[i].is_smooth();
+        if s > k || (s == 0 && is_delta(kind)) || (s > 0 && !(joins(s - 1) && joins(s))) {
+            return 0.0;
+        }
+        if s == 1 && k == 1 && kind != emitter_kind::AREA {
+            return 0.0;
+        }
+        let mut pdf = 1.0;
+        // From the sensor.
+        for j in s..k {
+            if j + 1 < k {
+                pdf *= self.vertices[j + 1].pdf_to_light;
+            }
+            pdf *= self.vertices[j].pass;
+            if j > 0 {
+                pdf *= self.vertices[j].stop;
+            }
+        }
+        if s == 0 {
+            return pdf;
+        }
+        let outgoing = -self.to_light;
+        let emitted = emission::density(tables, self.emitter, &self.vertices[0].point, outgoing);
+        if s == 1 {
+            if k == 1 || keeps_light {
+                let density = if is_infinite(kind) {
+                    // Its direction, and no position.
+                    self.direction_pdf(tables)
+                } else {
+                    emitted.position
+                };
+                return pdf * density * self.solid_angle_per_area(tables, 0);
+            }
+            let reference = self.vertices[1].point.position;
+            let light = &self.vertices[0].point;
+            let direct = emitter::pdf_direct_of(tables, self.emitter, reference, light, outgoing);
+            // Of a point light the density is one over the choice, and its intensity is not over d^2.
+            let is_point = is_delta(kind) && !is_infinite(kind);
+            let scale = if is_point { self.distance2(0) } else { 1.0 };
+            return pdf * direct * scale;
+        }
+        pdf *= emitted.product();
+        for i in 0..s - 1 {
+            pdf *= self.vertices[i].pass * self.vertices[i + 1].stop;
+            if i > 0 {
+                pdf *= self.vertices[i].pdf_to_sensor * self.light_ratio(i);
+            }
+        }
+        pdf * self.end_ratio(tables, s - 1) * self.solid_angle_per_area(tables, s - 1)
+    }
+
+    /// Density of the direction of a light at infinity, the choice of the emitter included.
+    fn direction_pdf(&self, tables: &Tables<'_>) -> f32 {
+        let outgoing = -self.to_light;
+        let density = emission::density(tables, self.emitter, &SurfacePoint::ZERO, outgoing);
+        density.direction * tables.emitters[self.emitter as usize].selection_pdf
+    }
+}
+
+/// What a material does in a discrete direction.
+struct Discrete {
+    value: Rgb,
+    pdf: f32,
+    eta: f32,
+    /// Ratio of the cosines of wi and wo.
+    exchange: f32,
+    /// Whether there is no other direction of the same kind.
+    is_unique: bool,
+}
+
+/// Sum over the lobes of a material, looked up for wi, that have a discrete event of the given kind in the direction wo.
+fn discrete(bsdf: &Bsdf, tables: &Tables<'_>, wi: Vec3, wo: Vec3, wanted: u32) -> Discrete {
+    let mut sum = Discrete {
+        value: Vec3::ZERO,
+        pdf: 0.0,
+        eta: 1.0,
+        exchange: 1.0,
+        is_unique: true,
+    };
+    for i in 0..bsdf.lobe_count() {
+        let found = discrete_of_lobe(bsdf, tables, wi, i, wanted);
+        if !(found.pdf > 0.0) {
+            continue;
+        }
+        if found.wo.normalize().dot(wo) > SAME_DIRECTION {
+            sum.value += found.value;
+            sum.pdf += found.pdf;
+            sum.eta = found.eta;
+            sum.exchange = lobe::exchange_ratio(&bsdf.lobe(i), tables.data, wi, wo);
+        } else {
+            sum.is_unique = false;
+        }
+    }
+    sum
+}
+
+/// The direction of the first lobe that has a discrete event of the given kind.
+pub fn discrete_direction(bsdf: &Bsdf, tables: &Tables<'_>, wi: Vec3, wanted: u32) -> Option<Vec3> {
+    (0..bsdf.lobe_count())
+        .map(|i| discrete_of_lobe(bsdf, tables, wi, i, wanted))
+        .find(|found| found.pdf > 0.0)
+        .map(|found| found.wo.normalize())
+}
+
+/// A discrete event of one lobe.
+#[derive(Clone, Copy, Debug)]
+struct DiscreteEvent {
+    wo: Vec3,
+    /// f |cos| as a weight times the probability.
+    value: Rgb,
+    /// Zero for no event.
+    pdf: f32,
+    /// Relative index from the side of wi to that of wo.
+    eta: f32,
+}
+
+/// The event of kind `wanted` of lobe `index` of a material looked up for wi.
+fn discrete_of_lobe(
+    bsdf: &Bsdf,
+    tables: &Tables<'_>,
+    wi: Vec3,
+    index: u32,
+    wanted: u32,
+) -> DiscreteEvent {
+    let result = DiscreteEvent {
+        wo: Vec3::Z,
+        value: Vec3::ZERO,
+        pdf: 0.0,
+        eta: 1.0,
+    };
+    if index >= bsdf.lobe_count() {
+        return result;
+    }
+    let model = bsdf.lobe(index);
+    if !lobe::has_delta(&model) || model.kind == lobe_kind::NULL {
+        return result;
+    }
+    // A lobe has one or two events, at the ends of the number that chooses.
+    for u in [0.0, 1.0 - f32::EPSILON] {
+        let sample = lobe::sample(&model, tables.data, wi, u, Vec2::splat(0.5));
+        let is_wanted = sample.event & event::DELTA != 0
+            && sample.event & event::NULL == 0
+            && direction_bits(sample.event) == direction_bits(wanted);
+        if sample.pdf > 0.0 && is_wanted {
+            return DiscreteEvent {
+                wo: sample.wo,
+                value: sample.weight * model.weight * sample.pdf,
+                pdf: sample.pdf * bsdf.selection(index),
+                eta: sample.eta,
+            };
+        }
+    }
+    result
+}
+
+/// Reflection or transmission.
+#[inline]
+fn direction_bits(event: u32) -> u32 {
+    event & (event::REFLECTION | event::TRANSMISSION)
+}

@@ -1,0 +1,298 @@
+//! Paths from which chains start: all that two walks and their connections make.
+//!
+//! A path that strategy s makes has the weight f / sum_j p_j, the balance heuristic's share of f / p_s, over the probabilities
+//! with which Russian roulette let its two walks live.
+
+use super::{ChainPath, MAX_VERTICES};
+use crate::bsdf::Bsdf;
+use crate::math::{Ray, luminance};
+use crate::path::tracer::Tracer;
+use crate::path::whole::{SMOOTH, Vertex};
+use crate::sampler::Sampler;
+use crate::scene::emitter::emission::{self, EmissionSample};
+use crate::scene::emitter::sample_direct_with_point;
+use crate::scene::{NONE, SurfacePoint, Tables, Traverse, camera, emitter_kind};
+use arrayvec::ArrayVec;
+use glam::{Vec2, Vec3};
+
+/// Probability that a walk goes on after the first vertices.
+const SURVIVAL: f32 = 0.8;
+
+/// Vertices after which walks may end at random.
+const SURE_VERTICES: usize = 4;
+
+/// A walk that is part of candidates.
+struct Subpath {
+    vertices: ArrayVec<Vertex, MAX_VERTICES>,
+    /// Where the walk left the scene, if it did.
+    escaped: Option<Vec3>,
+    /// What it passed on that last edge.
+    last: crate::path::tracer::Edge,
+}
+
+/// Probability that a walk has as many vertices.
+fn survival(vertices: usize) -> f32 {
+    let trials = vertices.saturating_sub(SURE_VERTICES);
+    (0..trials).map(|_| SURVIVAL).product()
+}
+
+/// Follows a walk along a ray until it ends.
+fn walk<T: Traverse, S: Sampler>(
+    tracer: &Tracer<'_, T>,
+    ray: &Ray,
+    from_sensor: bool,
+    bsdf: &mut Bsdf,
+    sampler: &mut S,
+) -> Subpath {
+    let mut subpath = Subpath {
+        vertices: ArrayVec::new(),
+        escaped: None,
+        last: crate::path::tracer::Edge {
+            transmittance: Vec3::ONE,
+            pass: 1.0,
+        },
+    };
+    let most = (MAX_VERTICES - 2).min(tracer.rules.max_depth as usize);
+    let mut ray = *ray;
+    while subpath.vertices.len() < most {
+        let count = subpath.vertices.len();
+        if count >= SURE_VERTICES && sampler.next_1d() >= SURVIVAL {
+            break;
+        }
+        let arrival = tracer.trace(&ray, from_sensor && count == 0, sampler);
+        let Some(point) = arrival.point else {
+            subpath.escaped = Some(ray.direction);
+            subpath.last = arrival.edge;
+            break;
+        };
+        let mut vertex = Vertex::new(&tracer.view.tables, &point);
+        vertex.transmittance = arrival.edge.transmittance;
+        vertex.pass = arrival.edge.pass;
+        let next = tracer.scatter(&mut vertex, -ray.direction, bsdf, sampler);
+        subpath.vertices.push(vertex);
+        match next {
+            Some(next) => ray = next,
+            None => break,
+        }
+    }
+    subpath
+}
+
+/// Hands on all paths of a candidate that may carry light with their weights; `sensor` and `light` are the numbers of its walks.
+pub fn paths<T: Traverse, S: Sampler>(
+    tracer: &Tracer<'_, T>,
+    sensor: &mut S,
+    light: &mut S,
+    mut add: impl FnMut(&ChainPath, f32),
+) {
+    let tables = &tracer.view.tables;
+    let mut bsdf = Bsdf::BLACK;
+    let (film, u_lens) = (sensor.next_2d(), sensor.next_2d());
+    let film = window_position(tables.camera.crop_offset, tables.camera.crop_size, film);
+    let ray = camera::ray_through(&tables.camera, film, u_lens);
+    let from_sensor = walk(tracer, &ray, true, &mut bsdf, sensor);
+    let u_select = light.next_1d();
+    let (u_position, u_direction) = (light.next_2d(), light.next_2d());
+    let start = emission::sample(tables, u_select, u_position, u_direction);
+    let from_light = if start.is_some() {
+        walk(tracer, &start.ray, false, &mut bsdf, light)
+    } else {
+        Subpath {
+            vertices: ArrayVec::new(),
+            escaped: None,
+            last: from_sensor.last,
+        }
+    };
+    let lens = Vertex::bare(tables, ray.origin);
+    let mut path = ChainPath::empty();
+    path.u_lens = u_lens;
+    let mut finish = |path: &mut ChainPath, survived: f32| {
+        path.film = film;
+        if !path.evaluate(tables, &tracer.rules, &mut bsdf) {
+            return add(path, 0.0);
+        }
+        let sum: f32 = (0..=path.edges())
+            .map(|s| path.strategy_pdf(tables, s, false))
+            .sum();
+        let weight = luminance(path.value) / (sum * survived);
+        add(path, if weight.is_finite() { weight } else { 0.0 });
+    };
+    // t counts the lens.
+    let camera_count = from_sensor.vertices.len();
+    for t in 1..=camera_count + 1 {
+        let of_camera = &from_sensor.vertices[..t - 1];
+        let end = of_camera.last();
+        // s = 0: what the walk met.
+        if let Some(end) = end
+            && end.point.emitter != NONE
+        {
+            path.vertices.clear();
+            path.vertices.extend(of_camera.iter().rev().copied());
+            path.vertices.push(lens);
+            path.vertices[0].event = SMOOTH;
+            path.emitter = end.point.emitter;
+            finish(&mut path, survival(t - 1));
+        }
+        if t == camera_count + 1
+            && let Some(direction) = from_sensor.escaped
+            && tables.info.environment != NONE
+        {
+            path.vertices.clear();
+            let mut sky = Vertex::bare(tables, Vec3::ZERO);
+            sky.transmittance = from_sensor.last.transmittance;
+            sky.pass = from_sensor.last.pass;
+            path.vertices.push(sky);
+            path.vertices.extend(of_camera.iter().rev().copied());
+            path.vertices.push(lens);
+            path.emitter = tables.info.environment;
+            path.to_light = direction;
+            finish(&mut path, survival(t));
+        }
+        for s in 1..=from_light.vertices.len() + 1 {
+            if s + t > MAX_VERTICES || s + t > tracer.rules.max_depth as usize + 1 {
+                break;
+            }
+            if s == 1 && t > 1 {
+                // Its numbers are drawn whether it is of use or not.
+                let (u_select, u) = (light.next_1d(), light.next_2d());
+                if let Some(end) = end
+                    && begin_direct(tracer, &mut path, &end.point, u_select, u)
+                {
+                    path.vertices.extend(of_camera.iter().rev().copied());
+                    path.vertices.push(lens);
+                    path.vertices[1].event = SMOOTH;
+                    if join(tracer, &mut path, 0) {
+                        finish(&mut path, survival(t - 1));
+                        continue;
+                    }
+                }
+                path.vertices.clear();
+                finish(&mut path, 1.0);
+                continue;
+            }
+            if !start.is_some() || s + t == 2 && !may_be_seen(tables, start.emitter) {
+                continue;
+            }
+            path.vertices.clear();
+            begin_emission(tracer, &mut path, &start);
+            for vertex in &from_light.vertices[..s - 1] {
+                append_from_light(&mut path, *vertex);
+            }
+            path.vertices.extend(of_camera.iter().rev().copied());
+            path.vertices.push(lens);
+            // Whatever the walks sampled there.
+            path.vertices[s - 1].event = SMOOTH;
+            path.vertices[s].event = SMOOTH;
+            if join(tracer, &mut path, s - 1) {
+                finish(&mut path, survival(s - 1) * survival(t - 1));
+            } else {
+                path.vertices.clear();
+                finish(&mut path, 1.0);
+            }
+        }
+    }
+}
+
+/// Whether a light has points that are connected to the lens.
+pub fn may_be_seen(tables: &Tables<'_>, emitter: u32) -> bool {
+    tables.emitters[emitter as usize].kind == emitter_kind::AREA
+}
+
+/// Film position of a number pair, within the window.
+pub fn window_position(offset: [u32; 2], size: [u32; 2], u: Vec2) -> Vec2 {
+    let [x, y] = [0, 1].map(|i| {
+        let end = offset[i] as f32 + size[i] as f32;
+        // The sum may round to the upper end, which is outside.
+        (offset[i] as f32 + u[i] * size[i] as f32).min(end - end * f32::EPSILON)
+    });
+    Vec2::new(x, y)
+}
+
+/// Adds a vertex that a light walk reached; what the walk passed belongs to the vertex before.
+pub fn append_from_light(path: &mut ChainPath, vertex: Vertex) {
+    if let Some(before) = path.vertices.last_mut() {
+        before.transmittance = vertex.transmittance;
+        before.pass = vertex.pass;
+    }
+    path.vertices.push(Vertex {
+        transmittance: Vec3::ONE,
+        pass: 1.0,
+        ..vertex
+    });
+}
+
+/// Begins a path with the start of a light walk.
+pub fn begin_emission<T: Traverse>(
+    tracer: &Tracer<'_, T>,
+    path: &mut ChainPath,
+    start: &EmissionSample,
+) {
+    path.emitter = start.emitter;
+    path.to_light = -start.ray.direction;
+    let tables = &tracer.view.tables;
+    path.vertices.push(if may_be_seen(tables, start.emitter) {
+        Vertex::new(tables, &start.point)
+    } else {
+        Vertex::bare(tables, start.point.position)
+    });
+}
+
+/// Begins a path with a point of an emitter chosen for a surface; says whether there is one.
+pub fn begin_direct<T: Traverse>(
+    tracer: &Tracer<'_, T>,
+    path: &mut ChainPath,
+    lit: &SurfacePoint,
+    u_select: f32,
+    u: Vec2,
+) -> bool {
+    let tables = &tracer.view.tables;
+    path.vertices.clear();
+    let (light, point) = sample_direct_with_point(tables, lit.position, u_select, u);
+    if !light.is_some() {
+        return false;
+    }
+    path.emitter = light.emitter;
+    path.to_light = light.direction;
+    path.vertices.push(if may_be_seen(tables, light.emitter) {
+        Vertex::new(tables, &point)
+    } else if light.distance < f32::MAX {
+        Vertex::bare(tables, light.target)
+    } else {
+        Vertex::bare(tables, Vec3::ZERO)
+    });
+    true
+}
+
+/// Tests the edge from vertex `i` to the next, and notes what lies there; says whether light passes.
+pub fn join<T: Traverse>(tracer: &Tracer<'_, T>, path: &mut ChainPath, i: usize) -> bool {
+    let tables = &tracer.view.tables;
+    let k = path.edges();
+    let (from, to) = (path.vertices[i], path.vertices[i + 1]);
+    if i > 0 && !from.is_smooth() || i + 1 < k && !to.is_smooth() {
+        return false;
+    }
+    let to_sensor = i + 1 == k;
+    let segment = if to_sensor {
+        let seen = camera::film_position(tables, from.point.position, path.u_lens);
+        if !seen.is_valid {
+            return false;
+        }
+        let mut ray = from.point.spawn(seen.direction);
+        ray.t_max = seen.unclipped.min(seen.distance * (1.0 - 1e-5));
+        ray
+    } else if i == 0 && path.is_infinite(tables) {
+        to.point.spawn(path.to_light)
+    } else if i == 0 && tables.emitters[path.emitter as usize].kind != emitter_kind::AREA {
+        to.point.segment_to(from.point.position)
+    } else {
+        to.point.segment_to_surface(&from.point)
+    };
+    match tracer.test(&segment, to_sensor) {
+        Some(edge) => {
+            path.vertices[i].transmittance = edge.transmittance;
+            path.vertices[i].pass = edge.pass;
+            true
+        }
+        None => false,
+    }
+}

@@ -1,0 +1,234 @@
+//! A chain of whole paths, and the group that it belongs to.
+
+use super::bidirectional::{self, Change};
+use super::candidate;
+use super::perturbation::{caustic_start, propose_from_light, propose_from_sensor, sensor_chain};
+use super::{ChainPath, MAX_VERTICES};
+use crate::bsdf::Bsdf;
+use crate::path::tracer::Tracer;
+use crate::sampler::{FreshSamples, Sampler, mix};
+use crate::scene::{SceneView, Traverse};
+use crate::transport::markov::algorithm::{ChainAlgorithm, MutationCounts};
+use crate::transport::markov::state::Splat;
+use crate::transport::settings::IntegratorSettings;
+
+/// Streams of a group, told apart by what its seed is mixed with.
+mod stream {
+    pub const CANDIDATE_SENSOR: u32 = 0x428a_2f98;
+    pub const CANDIDATE_LIGHT: u32 = 0x7137_4491;
+    pub const CHAIN: u32 = 0xb5c0_fbcf;
+}
+
+/// Kinds of mutations.
+mod mutation {
+    pub const BIDIRECTIONAL: usize = 0;
+    pub const LENS: usize = 1;
+    pub const CAUSTIC: usize = 2;
+    pub const MULTI_CHAIN: usize = 3;
+    pub const COUNT: usize = 4;
+}
+
+/// The chains of a group.
+pub struct VeachChains<'a, T: Traverse> {
+    tracer: Tracer<'a, T>,
+    /// Fewest and most edges of a path.
+    limits: [usize; 2],
+    /// Weights in the choice of a mutation.
+    weights: [f32; mutation::COUNT],
+    seed: u32,
+    group: u32,
+}
+
+/// A chain.
+pub struct VeachChain {
+    current: ChainPath,
+    proposed: ChainPath,
+    /// Steps that the current path has yet to count for.
+    pending: f32,
+    number: u32,
+    step: u32,
+    counts: [MutationCounts; mutation::COUNT],
+}
+
+impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
+    /// Those of `group`, over paths of at least `min_edges` edges.
+    pub fn new(
+        view: &'a SceneView<'a, T>,
+        settings: &IntegratorSettings,
+        min_edges: u32,
+        seed: u32,
+        group: u32,
+    ) -> Self {
+        let rules = settings.rules;
+        let own = &settings.chains;
+        let hidden = if rules.hide_emitters != 0 { 2 } else { 1 };
+        VeachChains {
+            tracer: Tracer { view, rules },
+            limits: [
+                min_edges.max(hidden) as usize,
+                (rules.max_depth as usize).min(MAX_VERTICES - 1),
+            ],
+            weights: [
+                own.bidirectional_weight,
+                own.lens_weight,
+                own.caustic_weight,
+                own.multi_chain_weight,
+            ],
+            seed,
+            group,
+        }
+    }
+
+    /// All paths of a candidate that are long enough, with their weights.
+    fn candidate(&self, candidate: u32, mut add: impl FnMut(&ChainPath, f32)) {
+        let stream = |which: u32| FreshSamples::new(mix(self.seed ^ which), self.group, candidate);
+        let mut sensor = stream(stream::CANDIDATE_SENSOR);
+        let mut light = stream(stream::CANDIDATE_LIGHT);
+        candidate::paths(&self.tracer, &mut sensor, &mut light, |path, weight| {
+            let is_long = path.edges() >= self.limits[0];
+            add(path, if is_long { weight } else { 0.0 });
+        });
+    }
+
+    /// Weights of the mutations that a path allows.
+    fn allowed(&self, x: &ChainPath) -> [f32; mutation::COUNT] {
+        let mut weights = self.weights;
+        let has_turns = sensor_chain(x).turns > 0;
+        if has_turns {
+            weights[mutation::LENS] = 0.0;
+        } else {
+            weights[mutation::MULTI_CHAIN] = 0.0;
+        }
+        if caustic_start(&self.tracer, x).is_none() {
+            weights[mutation::CAUSTIC] = 0.0;
+        }
+        weights
+    }
+
+    /// Proposes a mutation of `kind` and returns the probability of its acceptance.
+    fn propose(
+        &self,
+        kind: usize,
+        allowed: &[f32; mutation::COUNT],
+        chain: &mut VeachChain,
+        sampler: &mut FreshSamples,
+        bsdf: &mut Bsdf,
+    ) -> f32 {
+        let (x, y) = (&chain.current, &mut chain.proposed);
+        let tracer = &self.tracer;
+        let ratio = match kind {
+            mutation::BIDIRECTIONAL => {
+                let change = Change::choose(x.edges(), self.limits, sampler);
+                if !bidirectional::propose(tracer, x, &change, y, bsdf, sampler) {
+                    return 0.0;
+                }
+                let back = change.reverse();
+                let density = change.density(tracer, y, x.edges(), self.limits);
+                if !(density > 0.0) {
+                    return 0.0;
+                }
+                back.density(tracer, x, y.edges(), self.limits) / density
+            }
+            mutation::CAUSTIC => match caustic_start(tracer, x) {
+                Some(start) => propose_from_light(tracer, x, start, y, bsdf, sampler),
+                None => 0.0,
+            },
+            _ => propose_from_sensor(tracer, x, y, bsdf, sampler),
+        };
+        if !(ratio > 0.0) {
+            return 0.0;
+        }
+        let of_y = self.allowed(y);
+        let share = |weights: &[f32]| weights[kind] / weights.iter().sum::<f32>();
+        let acceptance = ratio * share(&of_y) / share(allowed);
+        // Also where densities are too small for a float.
+        if acceptance > 0.0 {
+            acceptance.min(1.0)
+        } else {
+            0.0
+        }
+    }
+}
+
+impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
+    type Chain = VeachChain;
+
+    fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32)) {
+        self.candidate(candidate, |_, weight| add(weight));
+    }
+
+    fn start(&self, candidate: u32, member: u32, number: u32) -> VeachChain {
+        let mut chain = VeachChain {
+            current: ChainPath::empty(),
+            proposed: ChainPath::empty(),
+            pending: 0.0,
+            number,
+            step: 0,
+            counts: Default::default(),
+        };
+        let mut index = 0;
+        self.candidate(candidate, |path, _| {
+            if index == member {
+                chain.current.clone_from(path);
+            }
+            index += 1;
+        });
+        chain
+    }
+
+    fn step(&self, chain: &mut VeachChain, b: f32, add: &mut impl FnMut(Splat)) {
+        chain.step += 1;
+        let seed = mix(self.seed ^ stream::CHAIN).wrapping_add(self.group);
+        let mut sampler = FreshSamples::new(seed, chain.number, chain.step);
+        let mut bsdf = Bsdf::BLACK;
+        let allowed = self.allowed(&chain.current);
+        let (u, u_accept) = (sampler.next_1d(), sampler.next_1d());
+        let mut left = u * allowed.iter().sum::<f32>();
+        let mut kind = 0;
+        while kind + 1 < mutation::COUNT && (left >= allowed[kind] || allowed[kind] == 0.0) {
+            left -= allowed[kind];
+            kind += 1;
+        }
+        if !(allowed[kind] > 0.0) {
+            // No mutation is allowed here, or rounding left none.
+            chain.pending += 1.0;
+            return;
+        }
+        let acceptance = self.propose(kind, &allowed, chain, &mut sampler, &mut bsdf);
+        chain.pending += 1.0 - acceptance;
+        let counts = &mut chain.counts[kind];
+        counts.proposed += 1;
+        counts.lit += u64::from(acceptance > 0.0);
+        if u_accept < acceptance {
+            counts.accepted += 1;
+            self.finish(chain, b, add);
+            core::mem::swap(&mut chain.current, &mut chain.proposed);
+            chain.pending = acceptance;
+        } else if acceptance > 0.0 {
+            add(splat(&chain.proposed, acceptance * b));
+        }
+    }
+
+    fn finish(&self, chain: &mut VeachChain, b: f32, add: &mut impl FnMut(Splat)) {
+        if chain.pending > 0.0 {
+            add(splat(&chain.current, chain.pending * b));
+            chain.pending = 0.0;
+        }
+    }
+
+    fn mutations(&self) -> &'static [&'static str] {
+        &["bidirectional", "lens", "caustic", "multi-chain"]
+    }
+
+    fn counts(chain: &VeachChain) -> &[MutationCounts] {
+        &chain.counts
+    }
+}
+
+/// F / I of a path times `factor`.
+fn splat(path: &ChainPath, factor: f32) -> Splat {
+    Splat {
+        film: path.film,
+        value: path.value * (factor / path.luminance()),
+    }
+}

@@ -1,0 +1,318 @@
+//! Perturbations: the vertices of one end of a path move a little, through the same discrete events (Veach 1997, section 11.4.2
+//! to 11.4.4).
+//!
+//! | | moves | from there on |
+//! |---|---|---|
+//! | lens | the film position | through discrete events to the first other vertex, which is connected to the one before it |
+//! | multi-chain | the same, and the direction at each vertex that discrete events follow | until such a vertex is followed by another |
+//! | caustic | the direction at the vertex before the discrete events nearest the sensor | through them to the vertex that the lens sees |
+//!
+//! The film position moves by r = r2 exp(-ln(r2 / r1) u) pixels in an even direction, r1 = 0.1, r2 = sqrt(0.05 W H / pi), a direction by
+//! an angle of the same law; both densities are the same both ways,
+//!
+//! ```text
+//! p = 1 / (2 pi ln(r2 / r1) r^2),    p_w = 1 / (2 pi ln(t2 / t1) t sin t).
+//! ```
+//!
+//! Angles of the caustic perturbation are those of r1 and r2 seen from the lens, over the way from there and to the vertex, so that
+//! it moves as far over the film; what leads out of the range from y is not proposed from x. The measure of T is that in which
+//! the vertices were moved, so f is taken in it too, with the vertex kept at the other end by its area. Discrete events are taken as
+//! they are and not sampled: they are no part of T.
+
+use super::ChainPath;
+use super::candidate::{append_from_light, join};
+use crate::bsdf::{Bsdf, mode};
+use crate::math::{Frame, Ray, float};
+use crate::path::tracer::Tracer;
+use crate::path::whole::{Vertex, discrete_direction};
+use crate::sampler::Sampler;
+use crate::scene::{NONE, Traverse, camera, emitter_kind};
+use core::f32::consts::PI;
+use glam::{Vec2, Vec3};
+
+/// r1 of the header, in pixels.
+const SMALLEST_STEP: f32 = 0.1;
+
+/// r2 of the header is that of a disk of this share of the film.
+const LARGEST_SHARE: f32 = 0.05;
+
+/// Angles of the multi-chain perturbation, in radians.
+const CHAIN_ANGLES: [f32; 2] = [1e-4 * PI / 180.0, 0.1 * PI / 180.0];
+
+/// Which vertices a perturbation from the sensor moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SensorChain {
+    /// The last vertex, counted from the light, that moves.
+    pub last: usize,
+    /// Vertices at which the direction is moved as well.
+    pub turns: u32,
+}
+
+/// The chain of a path: through discrete events, and on from vertices that discrete events follow.
+pub fn sensor_chain(x: &ChainPath) -> SensorChain {
+    let k = x.edges();
+    let mut turns = 0;
+    let mut j = k - 1;
+    while j > 0 {
+        if x.vertices[j].is_smooth() {
+            if j == 1 || x.vertices[j - 1].is_smooth() {
+                break;
+            }
+            turns += 1;
+        }
+        j -= 1;
+    }
+    SensorChain { last: j, turns }
+}
+
+/// The vertex whose direction the caustic perturbation moves, if it can.
+pub fn caustic_start<T: Traverse>(tracer: &Tracer<'_, T>, x: &ChainPath) -> Option<usize> {
+    let k = x.edges();
+    if k < 3 || !x.vertices[k - 1].is_smooth() || x.vertices[k - 2].is_smooth() {
+        return None;
+    }
+    let mut l = k - 2;
+    while l > 0 && !x.vertices[l].is_smooth() {
+        l -= 1;
+    }
+    // Light from infinity has no position to turn about.
+    (l > 0 || !x.is_infinite(&tracer.view.tables)).then_some(l)
+}
+
+/// Whether discrete events between the vertices `from` and `to` can be taken again.
+fn events_are_unique(x: &ChainPath, from: usize, to: usize) -> bool {
+    (from.max(1)..to.min(x.edges())).all(|i| x.vertices[i].is_smooth() || x.vertices[i].is_unique)
+}
+
+/// A length between two by the law of the header.
+#[inline]
+fn length([low, high]: [f32; 2], u: f32) -> f32 {
+    high * float::exp(-float::ln(high / low) * u)
+}
+
+/// A direction turned by an angle between two.
+fn turned(direction: Vec3, angles: [f32; 2], u: Vec2) -> Vec3 {
+    let (sin, cos) = float::sin_cos(length(angles, u.x));
+    let (sin_phi, cos_phi) = float::sin_cos(2.0 * PI * u.y);
+    Frame::from_normal(direction)
+        .to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos))
+        .normalize()
+}
+
+/// Steps of the film position in pixels.
+fn film_steps(size: [u32; 2]) -> [f32; 2] {
+    let area = size[0] as f32 * size[1] as f32;
+    let high = float::sqrt(LARGEST_SHARE * area / PI);
+    [SMALLEST_STEP, if high > 0.2 { high } else { 0.2 }]
+}
+
+/// The ray with which a walk leaves a vertex by a discrete event, if there is one of its kind.
+fn repeat_event<T: Traverse>(
+    tracer: &Tracer<'_, T>,
+    vertex: &Vertex,
+    back: Vec3,
+    bsdf: &mut Bsdf,
+) -> Option<Ray> {
+    let tables = &tracer.view.tables;
+    let point = &vertex.point;
+    let wi = point.frame.to_local(back);
+    bsdf.look_up(tables, point, wi, mode::RADIANCE);
+    let wo = discrete_direction(bsdf, tables, wi, vertex.event)?;
+    Some(point.spawn(point.frame.to_world(wo).normalize()))
+}
+
+/// Lens and multi-chain perturbation: makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
+pub fn propose_from_sensor<T: Traverse, S: Sampler>(
+    tracer: &Tracer<'_, T>,
+    x: &ChainPath,
+    y: &mut ChainPath,
+    bsdf: &mut Bsdf,
+    sampler: &mut S,
+) -> f32 {
+    let tables = &tracer.view.tables;
+    let k = x.edges();
+    let last = sensor_chain(x).last;
+    if !events_are_unique(x, last, k) {
+        return 0.0;
+    }
+    let window = &tables.camera;
+    let r = length(film_steps(window.crop_size), sampler.next_1d());
+    let (sin, cos) = float::sin_cos(2.0 * PI * sampler.next_1d());
+    let film = x.film + Vec2::new(cos, sin) * r;
+    let start = Vec2::new(window.crop_offset[0] as f32, window.crop_offset[1] as f32);
+    let in_window = film.cmpge(start).all()
+        && film.x < start.x + window.crop_size[0] as f32
+        && film.y < start.y + window.crop_size[1] as f32;
+    if !in_window {
+        return 0.0;
+    }
+    y.clone_from(x);
+    y.film = film;
+    let mut ray = camera::ray_through(window, film, x.u_lens);
+    y.vertices[k].point.position = ray.origin;
+    for j in (last..k).rev() {
+        let arrival = tracer.trace(&ray, j + 1 == k, sampler);
+        let old = &x.vertices[j];
+        if j == 0 {
+            // Discrete events led all the way to a light.
+            match arrival.point {
+                Some(point) if point.emitter != NONE => {
+                    y.vertices[0] = Vertex::new(tables, &point);
+                    y.emitter = point.emitter;
+                }
+                None if tables.info.environment != NONE => {
+                    y.vertices[0] = Vertex::bare(tables, Vec3::ZERO);
+                    y.emitter = tables.info.environment;
+                    y.to_light = ray.direction;
+                }
+                _ => return 0.0,
+            }
+        } else {
+            let Some(point) = arrival.point else {
+                return 0.0;
+            };
+            y.vertices[j] = Vertex::new(tables, &point);
+            y.vertices[j].event = old.event;
+        }
+        y.vertices[j].transmittance = arrival.edge.transmittance;
+        y.vertices[j].pass = arrival.edge.pass;
+        if j == last {
+            break;
+        }
+        if old.is_smooth() {
+            let u = sampler.next_2d();
+            let direction = turned(x.previous_direction(j), CHAIN_ANGLES, u);
+            ray = y.vertices[j].point.spawn(direction);
+        } else {
+            match repeat_event(tracer, &y.vertices[j], -ray.direction, bsdf) {
+                Some(next) => ray = next,
+                None => return 0.0,
+            }
+        }
+    }
+    if last > 0 && !join(tracer, y, last - 1) {
+        return 0.0;
+    }
+    if !y.evaluate(tables, &tracer.rules, bsdf) || !events_are_unique(y, last, k) {
+        return 0.0;
+    }
+    let target = |path: &ChainPath| {
+        let mut f = path.luminance();
+        if last > 0 {
+            f /= path.solid_angle_per_area(tables, last - 1);
+        }
+        let walked: f32 = (last..k)
+            .map(|j| {
+                let vertex = &path.vertices[j];
+                vertex.pass * if j > 0 { vertex.stop } else { 1.0 }
+            })
+            .product();
+        f / walked
+    };
+    ratio(target(y), target(x))
+}
+
+/// Caustic perturbation: makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
+pub fn propose_from_light<T: Traverse, S: Sampler>(
+    tracer: &Tracer<'_, T>,
+    x: &ChainPath,
+    start: usize,
+    y: &mut ChainPath,
+    bsdf: &mut Bsdf,
+    sampler: &mut S,
+) -> f32 {
+    let tables = &tracer.view.tables;
+    let k = x.edges();
+    if !events_are_unique(x, start + 1, k) {
+        return 0.0;
+    }
+    let angles = caustic_angles(tracer, x, start);
+    let old = x.next_direction(start);
+    let direction = turned(old, angles, sampler.next_2d());
+    y.clone_from(x);
+    y.vertices.truncate(start + 1);
+    let mut ray = if start == 0 && tables.emitters[x.emitter as usize].kind != emitter_kind::AREA {
+        Ray::new(x.vertices[0].point.position, direction)
+    } else {
+        x.vertices[start].point.spawn(direction)
+    };
+    for j in start + 1..k {
+        let arrival = tracer.trace(&ray, false, sampler);
+        let Some(point) = arrival.point else {
+            return 0.0;
+        };
+        let mut vertex = Vertex::new(tables, &point);
+        vertex.event = x.vertices[j].event;
+        vertex.transmittance = arrival.edge.transmittance;
+        vertex.pass = arrival.edge.pass;
+        if j + 1 < k {
+            match repeat_event(tracer, &vertex, -ray.direction, bsdf) {
+                Some(next) => ray = next,
+                None => return 0.0,
+            }
+        }
+        append_from_light(y, vertex);
+    }
+    y.vertices.push(x.vertices[k]);
+    if !join(tracer, y, k - 1)
+        || !y.evaluate(tables, &tracer.rules, bsdf)
+        || !events_are_unique(y, start + 1, k)
+    {
+        return 0.0;
+    }
+    // Not proposed the other way round if the angle is none of y's.
+    let angle = angle_between(old, direction);
+    let back = caustic_angles(tracer, y, start);
+    if !(angle >= back[0] && angle <= back[1]) {
+        return 0.0;
+    }
+    let target = |path: &ChainPath| {
+        let mut ratios = 1.0;
+        let mut walked = 1.0;
+        for j in start..k - 1 {
+            walked *= path.vertices[j].pass * path.vertices[j + 1].stop;
+            if j > start {
+                ratios *= path.light_ratio(j);
+            }
+        }
+        let end = &path.vertices[k - 1].point;
+        let arriving = float::abs(end.geometric_normal.dot(path.previous_direction(k - 1)));
+        let leaving = if start == 0 && path.vertices[0].point.emitter == NONE {
+            1.0
+        } else {
+            let normal = path.vertices[start].point.geometric_normal;
+            float::abs(normal.dot(path.next_direction(start)))
+        };
+        let turns = ratios * arriving / leaving;
+        path.luminance() / (path.solid_angle_per_area(tables, k - 1) * turns * walked)
+    };
+    ratio(target(y), target(x))
+}
+
+/// Angle between unit directions, precise where it is small.
+fn angle_between(a: Vec3, b: Vec3) -> f32 {
+    float::atan2(a.cross(b).length(), a.dot(b))
+}
+
+/// Angles of the caustic perturbation at vertex `start`.
+fn caustic_angles<T: Traverse>(tracer: &Tracer<'_, T>, path: &ChainPath, start: usize) -> [f32; 2] {
+    let camera = &tracer.view.tables.camera;
+    let k = path.edges();
+    let distance =
+        |i: usize| (path.vertices[i + 1].point.position - path.vertices[i].point.position).length();
+    let from_lens = distance(k - 1);
+    let from_start: f32 = (start..k - 1).map(distance).sum();
+    let per_pixel = 2.0 * camera.tan_half_width / camera.film_size[0] as f32;
+    let scale = per_pixel * from_lens / from_start;
+    film_steps(camera.crop_size).map(|r| {
+        let angle = r * scale;
+        if angle < 0.5 * PI { angle } else { 0.5 * PI }
+    })
+}
+
+/// The quotient of what `y` and `x` carry, zero where that says nothing.
+#[inline]
+fn ratio(y: f32, x: f32) -> f32 {
+    let ratio = y / x;
+    if ratio > 0.0 { ratio } else { 0.0 }
+}

@@ -79,7 +79,7 @@ fn write_and_rename(
     // Still locked.
     temporary.persist(&target).map_err(|e| e.error)?;
     drop(file);
-    // The rename itself lives in the folder; some file systems refuse to flush folders, which loses nothing written.
+    // The rename is recorded in the folder; some file systems refuse to flush folders, which loses no written data.
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }

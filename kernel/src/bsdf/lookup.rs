@@ -77,7 +77,7 @@ pub(crate) fn fill_lobe(
         }
     }
     if tables.has(features::FRAME_MAPS) && record.frame != NONE {
-        // Two-sided lobes see wi mirrored to the front.
+        // For two-sided lobes wi is mirrored to the front.
         let wi = mirrored(is_flipped(lobe, wi), wi);
         lobe.frame = frame_map::perturbed_frame(tables, record.frame, point, wi);
         lobe.has_frame = true;

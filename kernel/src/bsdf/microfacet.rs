@@ -164,7 +164,7 @@ impl Microfacets {
         self.distribution(m) * m.z
     }
 
-    /// A normal that `wi`, `wi.z >= 0`, sees, with density [`Microfacets::visible_normal_pdf`].
+    /// Samples a normal visible from `wi`, `wi.z >= 0`, with density [`Microfacets::visible_normal_pdf`].
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn sample_visible_normal(&self, wi: Vec3, u: Vec2) -> Vec3 {
         let has_cavities = self.may_be(kinds::PHONG) || self.may_be(kinds::EXPONENTIAL_POWER);

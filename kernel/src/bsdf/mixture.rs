@@ -23,7 +23,7 @@ use glam::{Vec2, Vec3};
 macro_rules! variable {
     ($self:ident.lobes[$i:ident]) => {{
         let mut lobe = $self.lobes[$i];
-        // Not the value from the array, which compilers do not see through.
+        // Not the value from the array, which shader compilers do not optimise.
         lobe.features = $self.features;
         &{ lobe }
     }};

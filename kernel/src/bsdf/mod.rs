@@ -64,7 +64,7 @@ pub mod event {
     pub const GLOSSY: u32 = 8;
     /// Broad.
     pub const DIFFUSE: u32 = 16;
-    /// Straight through, as if nothing were there.
+    /// Null scattering: straight through the surface.
     pub const NULL: u32 = 32;
     /// Only the direction is set, weight and density are not: within shaders, never of a finished sample.
     pub const UNWEIGHTED: u32 = 64;

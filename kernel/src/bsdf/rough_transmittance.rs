@@ -1,4 +1,4 @@
-//! The share of light that a rough dielectric boundary lets pass, tabulated.
+//! The transmittance of a rough dielectric boundary, tabulated.
 //!
 //! T(cos, alpha) = integral of D_w(m) (1 - F(w . m)) G1(wt) dm over the visible normals, wt the refraction at m, has no
 //! closed form. A host fills a table with [`fill`]; without one the smooth boundary's 1 - F stands in, which is Tungsten's
@@ -100,7 +100,7 @@ fn direction_at_cosine(cos: f32) -> Vec3 {
     Vec3::new(float::safe_sqrt((1.0 - cos) * (1.0 + cos)), 0.0, cos)
 }
 
-/// Share of the light that a rough dielectric boundary lets in from outside at cosine `cos`; `eta` interior over
+/// Transmittance of a rough dielectric boundary for light from outside at cosine `cos`; `eta` interior over
 /// exterior.
 #[cfg(not(target_arch = "spirv"))]
 pub fn boundary_transmittance(kind: u32, alpha: f32, eta: f32, cos: f32) -> f32 {

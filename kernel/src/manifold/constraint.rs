@@ -222,7 +222,7 @@ pub fn end_constraint(x: &ChainVertex, neighbour: &ChainVertex, is_last: bool) -
     if edge.inverse_length == 0.0 {
         return Constraint::INVALID;
     }
-    // The frame hangs in space: a plane across the pinned direction.
+    // The frame is fixed in space: a plane across the pinned direction.
     let (s, t) = (x.tangent_u, x.tangent_v);
     let column = |d: Vec3| Vec2::new(s.dot(d), t.dot(d));
     let own = Mat2::from_cols(

@@ -92,7 +92,7 @@
 //! - Reflection off a dielectric has eta = 1 in |do/dh|, whatever its index:
 //!   `manifold_half_vector::reflection_off_a_dielectric_takes_eta_one`.
 //! - The published derivatives of B hold the tangent dp/du of the shading frame fixed while the frame in use turns with it. Here
-//!   the frame hangs on a vector that does stay fixed ([`vertex`]), and B is exact also for h != n:
+//!   the frame is defined by a vector that does stay fixed ([`vertex`]), and B is exact also for h != n:
 //!   `manifold_constraint::blocks_are_the_derivatives_of_the_half_vectors`.
 //! - Whether projections start at the sensor or at the light (table 8.1) made no difference beyond 0.1 % in our still life:
 //!   `manifold_statistics` prints both.

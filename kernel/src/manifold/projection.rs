@@ -133,7 +133,7 @@ pub fn project<T: Traverse, const N: usize>(
     out
 }
 
-/// Whether each inner vertex of two chains sees its neighbours from the same sides.
+/// Whether each inner vertex of two chains has its neighbours on the same sides.
 #[inline]
 pub fn sides_agree<const N: usize>(
     old: &[ChainVertex; N],

@@ -4,7 +4,7 @@
 //! tangent plane, so that 2x2 determinants are ratios of areas. The derivatives of the shading normal are taken along the
 //! same two tangents: from dp/du, dp/dv by `dn_u /= |p_u|`, `p_v -= (p_u . p_v) p_u`, `dn_v -= (p_u . p_v) dn_u`, and so on.
 //!
-//! Half vectors are measured in a frame around the shading normal n that hangs on a *reference* vector r fixed in space:
+//! Half vectors are measured in a frame around the shading normal n that is defined by a *reference* vector r fixed in space:
 //! `s = (r - (r.n) n) / |.|`, `t = n x s`. The papers take r = dp/du, whose own derivative they leave out; on a sphere, or
 //! from triangle to triangle, it turns, and their J is then not the derivative of the half vectors it belongs to (the error
 //! is `|h|` times the rate of turning). With a fixed r the derivative is exact and the chart is the same on all triangles of
@@ -55,7 +55,7 @@ pub struct ChainVertex {
     pub dn_u: Vec3,
     /// Derivative of the shading normal along `tangent_v`.
     pub dn_v: Vec3,
-    /// Unit vector on which the frame of the half vector hangs.
+    /// Unit vector, fixed in space, that defines the frame of the half vector.
     pub reference: Vec3,
     /// Index of refraction towards the next vertex over that towards the previous one; 1 unless refracting.
     pub eta: f32,

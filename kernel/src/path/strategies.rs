@@ -53,7 +53,7 @@ impl Strategies {
     /// Density per area of sampled lens points; zero if hitting the lens (t = 0) is no strategy.
     #[inline]
     pub fn pdf_lens(&self, tables: &Tables<'_>, rules: &PathRules) -> f32 {
-        // Emitters hidden from the sensor would have to be transparent for a walk's last edge, which it does not know.
+        // With hidden emitters the edge to the lens would have to pass through emitters, which the walk's ray does not.
         if self.light_image && rules.hide_emitters == 0 {
             camera::pdf_lens_area(&tables.camera)
         } else {

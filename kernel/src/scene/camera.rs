@@ -32,7 +32,7 @@ pub struct CameraSample {
     pub film: Vec2,
 }
 
-/// Where a point in space is seen.
+/// The projection of a point in space onto the film.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmPosition {
     /// Film position in pixels of the whole film.
@@ -235,7 +235,7 @@ impl Support {
     }
 }
 
-/// Where `point` is seen through the lens point of `u_lens`, and its importance.
+/// The film position of `point` through the lens point of `u_lens`, and its importance.
 pub fn film_position(tables: &Tables<'_>, point: Vec3, u_lens: Vec2) -> FilmPosition {
     film_position_through(tables, point, lens_point(&tables.camera, u_lens))
 }

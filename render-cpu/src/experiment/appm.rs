@@ -2,7 +2,7 @@
 //!
 //! Photons fall uniformly on [-1, 1]^2 with the contribution `psi = 1 + c |x|^2`, so that the pixel's value at
 //! the origin is 1/4 and its Laplacian is c. Plain progressive photon mapping is run over alpha; the adaptive method
-//! with the kernel's variance and with that of equation 5.12 is held against fixed first radii.
+//! with the kernel's variance and with that of equation 5.12 is compared with fixed first radii.
 
 use super::fit::log_slope;
 use super::report::Report;

@@ -122,7 +122,7 @@ impl Chain {
         ]
     }
 
-    /// Projected half vectors of both mirrors, in frames that hang on the mirrors' first axes.
+    /// Projected half vectors of both mirrors, in frames defined by the mirrors' first axes.
     fn half_vectors(&self, x: DVec4) -> DVec4 {
         let p = self.points(x);
         let at = |i: usize, y: DVec2| {

@@ -15,7 +15,7 @@
 //!
 //! Adaptive sampling keeps no other state of its own: it is a function of the film between passes.
 //!
-//! A reader takes nothing on trust: the length of the file must be the one that the header implies before anything of
+//! A reader validates everything: the length of the file must be the one that the header implies before anything of
 //! that size is allocated, the checksum must agree, and every number must be one that a film can hold. A run with other
 //! settings is refused by name and value of what differs, because its samples would not be those of the same image.
 

@@ -11,7 +11,7 @@
 //! | [`ExactSquareSum`], of x^2 | 2^-80 | 192 bits | abs(x) >= 2^-17 = 7.6e-6, and 0 | 2^-81 = 4e-25 |
 //!
 //! Smaller terms are rounded to the nearest unit, halves away from zero, before they are added; a term's rounding is a
-//! function of the term alone, so that this does not bring the order back.
+//! function of the term alone, so that the sum still does not depend on the order.
 //!
 //! # Range
 //! Terms beyond [`LIMIT`] = 2^40 in magnitude count as plus or minus that limit, NaNs and infinities add nothing: the caller

@@ -1,4 +1,4 @@
-//! Lines of an OBJ file: comments taken off, continued lines joined.
+//! Lines of an OBJ file, without comments and with continued lines joined.
 
 /// Logical lines without comments, each with the number of its first physical line.
 pub(super) struct Lines<'a> {

@@ -1,4 +1,4 @@
-//! Samples taken by all threads of the processor: a pass cut into tiles of the film.
+//! The backend of the run loop that takes samples on all threads of the processor: a pass is divided into tiles of the film.
 
 use super::backend::{Backend, PassEnd, PassError};
 use super::chains::render_groups;

@@ -56,7 +56,7 @@ pub fn linear_to_srgb(linear: f64) -> f64 {
     }
 }
 
-/// Under which light a spectrum is seen.
+/// The illuminant of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Illuminant {
     /// It is light itself, or equal energy at every wavelength.

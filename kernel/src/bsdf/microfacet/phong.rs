@@ -6,7 +6,7 @@
 //! weighted by the squared cosine and sine of the azimuth of `m`.
 //!
 //! Smith's projected area has no closed form here; Walter et al. put Beckmann's of the same `alpha` in its place, and so
-//! does every renderer. At alpha 1 a grazing direction sees 1.77 times the area that is divided by, so that rough
+//! does every renderer. At alpha 1 the true projected area at grazing directions is 1.77 times Beckmann's, so that rough
 //! Phong surfaces gain energy at grazing angles: a white furnace returns at most 1.003 at alpha 0.3, 1.07 at 0.5 and 1.35
 //! at 1 (tested). The values agree with other renderers; where energy must be conserved, take another distribution.
 //! `alpha` is at most 1: beyond, the density grows towards the horizon without bound.

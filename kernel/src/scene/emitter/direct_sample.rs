@@ -39,7 +39,7 @@ impl DirectSample {
         emitter: NONE,
     };
 
-    /// Whether it is a sample that brings light.
+    /// Whether it is a sample of positive radiance.
     #[inline]
     pub fn is_some(&self) -> bool {
         !(self.pdf <= 0.0 || self.radiance.max_element() <= 0.0)

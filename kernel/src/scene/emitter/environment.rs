@@ -286,7 +286,7 @@ pub fn environment_table_words(width: u32, height: u32) -> u32 {
     height + width * height + (height + 1) * GUIDE_WORDS + 2 * height + 1
 }
 
-/// Luminance of the texel at a corner of the cells, as the lookup sees it.
+/// Luminance of the lookup at a corner of the cells.
 #[cfg(not(target_arch = "spirv"))]
 fn corner(tables: &Tables<'_>, emitter: &Emitter, column: u32, row: u32) -> f32 {
     let x = ((column % emitter.width) as f32 + 0.5) / emitter.width as f32;

@@ -40,7 +40,7 @@ pub struct Camera {
     pub aperture_radius: f32,
     /// Distance of the plane in focus.
     pub focus_distance: f32,
-    /// Nearest and farthest z in camera space that is seen.
+    /// z of the near and far clipping planes in camera space.
     pub clip: [f32; 2],
     /// One of [`filter_kind`].
     pub filter: u32,

@@ -202,7 +202,7 @@ impl Material {
     }
 }
 
-/// A dielectric coat as what is below it sees it; its reflection is a lobe of its own.
+/// A dielectric coat in its effect on the lobe below: refraction, transmittance, absorption. Its reflection is a separate lobe.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct CoatRecord {

@@ -271,7 +271,7 @@ struct UvMap {
     dv: Vec2,
     dp_du: Vec3,
     dp_dv: Vec3,
-    /// Whether both tangents are, see [`is_moderate`].
+    /// [`is_moderate`] of both tangents.
     is_moderate: bool,
 }
 

@@ -119,7 +119,7 @@ impl Errors {
     }
 }
 
-/// What an observer sees.
+/// Perceptual metrics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownErrors {
     /// Mean colour difference of 1976.

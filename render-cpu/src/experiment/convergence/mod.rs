@@ -95,7 +95,7 @@ pub struct Outcome {
     pub name: String,
     /// What was measured, in the order of time.
     pub curve: Vec<Point>,
-    /// What an observer sees in the last image.
+    /// Perceptual metrics of the last image.
     pub shown: ShownErrors,
     /// The last image.
     pub image: RgbImage,

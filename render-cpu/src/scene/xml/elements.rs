@@ -49,7 +49,7 @@ pub fn value(element: &Element<'_>) -> Result<Option<(&'static str, Value)>, Sce
         "point" => Value::Point(coordinates(element)?),
         "vector" => Value::Vector(coordinates(element)?),
         "rgb" | "srgb" => {
-            // 0.6 let a reflectance or an illumination be asked for; in RGB it makes no difference.
+            // In version 0.6 `intent` chooses reflectance or illumination; in RGB they are the same.
             element.check_attributes(&["name", "value", "intent"])?;
             Value::Rgb(element.parse("value", |text| triplet_color(element.tag, text))?)
         }

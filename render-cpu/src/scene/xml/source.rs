@@ -23,7 +23,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// A text under a name, brought to well-formed XML where that is possible.
+    /// A text under a file name, repaired to well-formed XML where that is possible.
     pub fn new(path: &Path, text: &str) -> Source {
         Source::of_lines(path, repair(text).into_owned())
     }

@@ -38,7 +38,7 @@ pub(super) fn append<T>(all: &mut Vec<T>, more: &mut Vec<T>) {
     }
 }
 
-/// Moves a mesh into the world (or its group's space) and gives it the normals that it shall have there.
+/// Transforms a mesh into the world (or its group's space) and computes its normals there.
 pub(super) fn transform_mesh(
     object: &Object,
     mesh: &mut Mesh,

@@ -30,7 +30,7 @@ pub fn print(text: impl Display) -> io::Result<()> {
     }
 }
 
-/// Writes a line on standard output; see [`print`].
+/// Writes a line on standard output; see [`print()`].
 ///
 /// # Errors
 /// When the line cannot be written.

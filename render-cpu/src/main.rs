@@ -1,16 +1,19 @@
 //! The command `halflight`.
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use halflight::commands::terminal::{self, Verbosity};
 use halflight::commands::{
-    compare, experiment, farm, info, material, merge, processor, render, strategy_sheet,
+    compare, experiment, farm, image, info, list, manual, material, merge, processor, render,
+    strategy_sheet,
 };
 use std::error::Error;
+use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
-/// Renders Mitsuba scenes: light that other renderers lose.
+/// Renders Mitsuba scenes: light that other renderers lose. `halflight SCENE` is short for `halflight render SCENE`.
 #[derive(Parser)]
-#[command(version, about)]
+#[command(name = "halflight", version, about)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -32,13 +35,21 @@ enum Command {
     Merge(merge::MergeArgs),
     /// Render one image as many tasks that share a folder, on a cluster for instance
     Farm(farm::FarmArgs),
+    /// Convert, compare and measure image files
+    Image(image::ImageArgs),
+    /// List the plugins and metals that scenes may name
+    List(list::ListArgs),
     /// Reproduce a statement of the papers on integrals with known answers, or compare algorithms on a scene
     Experiment(experiment::ExperimentArgs),
+    /// Print completions for a shell, as in `halflight completions bash > FILE`
+    Completions(manual::CompletionArgs),
+    /// Print the manual page, or write those of all commands to a folder
+    Manual(manual::ManualArgs),
 }
 
 fn main() -> ExitCode {
     processor::exit_unless_sufficient();
-    let cli = Cli::parse();
+    let cli = Cli::parse_from(with_command(std::env::args_os().collect()));
     terminal::run(cli.verbosity, || run(cli))
 }
 
@@ -53,6 +64,22 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),
         Command::Farm(args) => farm::run(&args, cli.verbosity.quiet),
+        Command::Image(args) => image::run(&args),
+        Command::List(args) => Ok(list::run(&args)?),
+        Command::Completions(args) => Ok(manual::complete(&args, Cli::command())?),
+        Command::Manual(args) => manual::manual(&args, Cli::command()),
         Command::Experiment(args) => experiment::run(&args, cli.verbosity.quiet),
     }
+}
+
+/// The arguments with `render` where a scene stands in the place of a command.
+fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let is_scene = |argument: &OsString| {
+        let extension = Path::new(argument).extension().unwrap_or_default();
+        argument == "-" || extension.eq_ignore_ascii_case("xml")
+    };
+    if arguments.get(1).is_some_and(is_scene) {
+        arguments.insert(1, "render".into());
+    }
+    arguments
 }

@@ -55,6 +55,7 @@ fn metadata(seed: u64, from: u32, to: u32) -> ImageMetadata {
         render_seconds: 0.5,
         scene_digest: "0123456789abcdef".into(),
         settings: [("max_depth".into(), "8".into())].into(),
+        ..ImageMetadata::default()
     }
 }
 

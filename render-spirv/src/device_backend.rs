@@ -156,6 +156,7 @@ impl DeviceBackend {
         } else {
             Radiance::Sample(pipeline(c"occlusion")?)
         };
+        device.keep_compiled_shaders();
         Ok(DeviceBackend {
             radiance,
             features,

@@ -50,7 +50,7 @@ impl Place {
     /// Samples per pixel of the image.
     fn samples(&self) -> f32 {
         let image = halflight::image::read_exr(self.path("out.exr")).expect("an image");
-        image.channel("samples").expect("the layer")[0]
+        image.sample_counts().expect("counts")[0]
     }
 }
 
@@ -217,4 +217,52 @@ fn validation_is_silent_or_named_as_missing() {
         assert!(text.contains("vulkan-validationlayers"), "{text}");
         eprintln!("without the validation layer: {text}");
     }
+}
+
+#[test]
+fn shaders_are_compiled_once_and_said_to_be() {
+    if device().is_none() {
+        return;
+    }
+    let place = Place::new();
+    let cache = place.path("cache");
+    let render = |arguments: &[&str]| {
+        let scene = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../render-cpu/scenes/cornell-box.xml"
+        );
+        let common = [
+            "render",
+            scene,
+            "--integrator",
+            "ao",
+            "--size",
+            "8x8",
+            "--spp",
+            "1",
+            "-o",
+            "a.exr",
+        ];
+        let mut command = place.command(&[&common[..], arguments].concat());
+        let output = command
+            .env("XDG_CACHE_HOME", &cache)
+            .output()
+            .expect("the command runs");
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let files = || std::fs::read_dir(cache.join("halflight")).map_or(0, Iterator::count);
+    let first = render(&[]);
+    assert!(
+        first.contains("compiling shaders for ") && first.contains("the first time"),
+        "{first}"
+    );
+    assert_eq!(files(), 1, "one file for the device");
+    let second = render(&[]);
+    assert!(
+        second.contains("compiling shaders for ") && !second.contains("the first time"),
+        "{second}"
+    );
+    assert_eq!(render(&["-q"]), "");
+    assert_eq!(files(), 1);
 }

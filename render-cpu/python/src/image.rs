@@ -257,7 +257,14 @@ impl PyImage {
 /// Raises OSError when the file cannot be read or is damaged.
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<PyImage> {
-    let image = py.detach(|| read_exr(&path)).map_err(file_error)?;
+    let mut image = py.detach(|| read_exr(&path)).map_err(file_error)?;
+    // Counts that are all the same stand in an attribute.
+    if image.channel("samples").is_none()
+        && let Some(counts) = image.sample_counts()
+    {
+        let counts = counts.into_owned();
+        image.channels.push(("samples".to_owned(), counts));
+    }
     let find = |name: &str| image.attribute(name).map(str::to_owned);
     let metadata = ImageMetadata::from_attributes(find).map_err(value_error)?;
     let planes = image.channels.into_iter().map(|(name, values)| {

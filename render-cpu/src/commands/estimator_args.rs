@@ -19,20 +19,21 @@ pub enum HeuristicName {
 #[derive(Args, Clone, Debug)]
 pub struct EstimatorArgs {
     /// Weights of the strategies of bdpt.
-    #[arg(long, value_name = "NAME")]
+    #[arg(help_heading = "Algorithm", long, value_name = "NAME")]
     pub heuristic: Option<HeuristicName>,
     /// Only what bdpt finds with S vertices from the light and T from the sensor (bdpt); "*" stands for any number.
-    #[arg(long, value_name = "S,T", value_parser = parse_strategy, group = "shown_strategies")]
+    #[arg(help_heading = "Algorithm", long, value_name = "S,T", value_parser = parse_strategy, group = "shown_strategies")]
     pub strategies: Option<[Option<u32>; 2]>,
     /// Without weights, each strategy as if it were alone; with --strategies or --strategy-sheet.
-    #[arg(long, requires = "shown_strategies")]
+    #[arg(help_heading = "Algorithm", long, requires = "shown_strategies")]
     pub unweighted: bool,
     /// Instead of the image, one picture with the images of all strategies of bdpt, by path length and light vertices.
-    #[arg(long, value_name = "OUT.png", group = "shown_strategies",
+    #[arg(help_heading = "Algorithm", long, value_name = "OUT.png", group = "shown_strategies",
         conflicts_with_all = ["output", "samples", "adaptive", "aov", "checkpoint", "resume", "half", "no_png"])]
     pub strategy_sheet: Option<PathBuf>,
     /// Most edges of the paths on the strategy sheet; no more than max_depth.
     #[arg(
+        help_heading = "Algorithm",
         long,
         value_name = "N",
         default_value_t = 6,

@@ -12,7 +12,7 @@ use crate::farm::ranges::ranges;
 use crate::farm::slurm::{self, EXIT_AGAIN, SlurmOptions};
 use crate::farm::status::{Status, TaskState};
 use crate::farm::task::{TaskOutcome, run_task};
-use crate::film::aov::Aov;
+use crate::film::aov::AovSet;
 use crate::processor::set_threads;
 use crate::say::print_line;
 use clap::{Args, Subcommand};
@@ -67,9 +67,9 @@ struct PlanArgs {
     /// Give each task samples of all pixels, all samples of some pixels, or a seed of its own.
     #[arg(long, value_enum, default_value_t)]
     divide: Division,
-    /// Layers to write beside the image: albedo, normal, depth, position, uv, variance, samples.
+    /// Layers to write beside the image: albedo, normal, depth, position, uv, alpha, variance, samples, or all.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_aov)]
-    aov: Vec<Aov>,
+    aov: Vec<AovSet>,
     /// Films that a merge takes in.
     #[arg(long, value_name = "N", default_value_t = FAN_IN)]
     fan_in: u32,
@@ -216,7 +216,7 @@ impl PlanArgs {
                 spp: self.spp,
                 seed: self.seed,
                 division: self.divide,
-                layers: self.aov.iter().copied().collect(),
+                layers: self.aov.iter().copied().fold(AovSet::NONE, AovSet::union),
                 fan_in: self.fan_in,
             },
         )?;

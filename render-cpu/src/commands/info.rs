@@ -1,14 +1,11 @@
 //! `halflight info`: the contents of a scene, without rendering it.
 
+use super::info_report::{Count, Named, Report};
 use super::scene_args::{SceneArgs, build_accel};
-use crate::accel::Accel;
-use crate::render::record::sampler_name;
-use crate::say::print;
-use crate::scene::build::Scene;
+use crate::say::{print, print_line};
 use clap::Args;
-use halflight_kernel::scene::{camera_kind, emitter_kind, lobe_kind};
 use std::error::Error;
-use std::fmt::Write;
+use std::fmt::{self, Write};
 use std::process::ExitCode;
 
 /// Show what a scene holds.
@@ -17,6 +14,9 @@ pub struct InfoArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Runs the command.
@@ -24,18 +24,107 @@ pub struct InfoArgs {
 /// # Errors
 /// What is wrong with the scene.
 pub fn run(args: &InfoArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
-    let scene = args.scene.load()?;
+    let parsed = args.scene.parse()?;
+    let scene = args.scene.build(&parsed)?;
     let accel = build_accel(&scene);
-    let mut text = String::new();
-    // Writing to a string does not fail.
-    let _ = describe(&scene, &accel, &mut text);
-    print(text)?;
+    let name = args.scene.scene.display().to_string();
+    let report = Report::new(name, &parsed, &args.scene.defines, &scene, &accel);
+    if args.json {
+        print_line(serde_json::to_string_pretty(&report)?)?;
+    } else {
+        let mut text = String::new();
+        // Writing to a string does not fail.
+        let _ = describe(&report, args.scene.sensor, &mut text);
+        print(text)?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 
-fn describe(scene: &Scene, accel: &Accel, out: &mut String) -> std::fmt::Result {
-    describe_scene(scene, out)?;
-    let trees = accel.statistics();
+fn describe(r: &Report, sensor: usize, out: &mut String) -> fmt::Result {
+    let ([w, h], [cw, ch], [x, y]) = (r.size, r.crop_size, r.crop_offset);
+    writeln!(
+        out,
+        "camera       {}, {w} x {h} pixels, crop {cw} x {ch} at ({x}, {y})",
+        r.camera
+    )?;
+    let instead = if r.sampler_name == r.sampler {
+        String::new()
+    } else {
+        format!(" in place of \"{}\"", r.sampler_name)
+    };
+    writeln!(
+        out,
+        "integrator   {}, {} samples per pixel, {} sampler{instead}, seed {}",
+        r.integrator, r.samples_per_pixel, r.sampler, r.seed
+    )?;
+    let [cx, cy, cz] = r.center;
+    writeln!(
+        out,
+        "bounds       centre ({cx:.4}, {cy:.4}, {cz:.4}), radius {:.4}",
+        r.radius
+    )?;
+    writeln!(
+        out,
+        "geometry     {} shapes, {} triangles, {} vertices, {} analytic, {} groups, {} instances",
+        r.shapes, r.triangles, r.vertices, r.analytic, r.groups, r.instances
+    )?;
+    let lobes = r.lobes.iter().map(|lobe| lobe.count).sum::<usize>();
+    writeln!(
+        out,
+        "materials    {} of {lobes} lobes: {}",
+        r.materials,
+        list(&r.lobes)
+    )?;
+    writeln!(
+        out,
+        "textures     {}, {:.1} MiB of texels",
+        r.textures,
+        mebibytes(r.texel_bytes)
+    )?;
+    let emitters = r.emitters.iter().map(|e| e.count).sum::<usize>();
+    writeln!(out, "emitters     {emitters}: {}", list(&r.emitters))?;
+    writeln!(
+        out,
+        "memory       {:.1} MiB of tables, {:.1} MiB of film",
+        mebibytes(r.table_bytes),
+        mebibytes(r.cost.film_bytes)
+    )?;
+    if let (Some(rate), Some(seconds)) = (r.cost.samples_per_second, r.cost.seconds) {
+        writeln!(
+            out,
+            "cost         {:.3} million samples per second here, about {} for the image",
+            rate / 1e6,
+            duration(seconds)
+        )?;
+    }
+    if !r.parameters.is_empty() {
+        writeln!(out, "\nparameters (-D NAME=VALUE)")?;
+    }
+    for parameter in &r.parameters {
+        let value = match &parameter.value {
+            Some(value) => format!(", {value} here"),
+            None => String::new(),
+        };
+        writeln!(out, "  {} = {}{value}", parameter.name, parameter.default)?;
+    }
+    if r.sensors.len() > 1 {
+        writeln!(out, "\nsensors (--sensor N)")?;
+        for (i, named) in r.sensors.iter().enumerate() {
+            let mark = if i == sensor { ", in use" } else { "" };
+            writeln!(out, "  {i}  {}{mark}", title(named))?;
+        }
+    }
+    if !r.bsdfs.is_empty() {
+        writeln!(out, "\nBSDFs (halflight material SCENE --id ID)")?;
+        for named in &r.bsdfs {
+            writeln!(out, "  {}", title(named))?;
+        }
+    }
+    writeln!(out, "\nplugins")?;
+    for plugin in &r.plugins {
+        writeln!(out, "  {:5}  {}", plugin.count, plugin.name)?;
+    }
+    let trees = &r.ray_tracing;
     writeln!(
         out,
         "\nray tracing\n  {} nodes, depth {}, {} primitives, {:.1} MiB, built in {:.3} s",
@@ -43,7 +132,7 @@ fn describe(scene: &Scene, accel: &Accel, out: &mut String) -> std::fmt::Result 
         trees.depth,
         trees.primitives,
         mebibytes(trees.bytes),
-        trees.build_time.as_secs_f64()
+        trees.seconds
     )?;
     if trees.skipped > 0 {
         writeln!(
@@ -53,147 +142,39 @@ fn describe(scene: &Scene, accel: &Accel, out: &mut String) -> std::fmt::Result 
         )?;
     }
     writeln!(out, "\nnot supported or not used as written")?;
-    if scene.warnings.is_empty() {
+    if r.warnings.is_empty() {
         writeln!(out, "  nothing")?;
     }
-    for warning in &scene.warnings {
+    for warning in &r.warnings {
         writeln!(out, "  {warning}")?;
     }
     Ok(())
 }
 
-fn describe_scene(scene: &Scene, out: &mut String) -> std::fmt::Result {
-    let tables = &scene.tables;
-    let camera = &tables.camera;
-    writeln!(
-        out,
-        "camera       {}, {} x {} pixels, crop {} x {} at ({}, {})",
-        match camera.kind {
-            camera_kind::THIN_LENS => "thin lens",
-            camera_kind::ORTHOGRAPHIC => "orthographic",
-            _ => "perspective",
-        },
-        camera.film_size[0],
-        camera.film_size[1],
-        camera.crop_size[0],
-        camera.crop_size[1],
-        camera.crop_offset[0],
-        camera.crop_offset[1]
-    )?;
-    writeln!(
-        out,
-        "integrator   {}, {} samples per pixel, {} sampler{}, seed {}",
-        scene.integrator,
-        scene.spp,
-        sampler_name(scene.sampler),
-        match scene.sampler_name.as_str() {
-            name if name == sampler_name(scene.sampler) => String::new(),
-            name => format!(" in place of \"{name}\""),
-        },
-        scene.seed
-    )?;
-    writeln!(
-        out,
-        "bounds       centre ({:.4}, {:.4}, {:.4}), radius {:.4}",
-        tables.info.center[0], tables.info.center[1], tables.info.center[2], tables.info.radius
-    )?;
-    writeln!(
-        out,
-        "geometry     {} shapes, {} triangles, {} vertices, {} analytic, {} groups, {} instances",
-        tables.shapes.len(),
-        tables.triangles.len(),
-        tables.positions.len(),
-        tables.quadrics.len(),
-        tables.groups.len() - 1,
-        tables.instances.len() - 1
-    )?;
-    writeln!(
-        out,
-        "materials    {} of {} lobes: {}",
-        tables.materials.len(),
-        tables.lobes.len(),
-        count_names(tables.lobes.iter().map(|lobe| lobe_name(lobe.kind)))
-    )?;
-    writeln!(
-        out,
-        "textures     {}, {:.1} MiB of texels",
-        tables.textures.len(),
-        mebibytes(size_of_val(tables.texels.as_slice()))
-    )?;
-    writeln!(
-        out,
-        "emitters     {}: {}",
-        tables.emitters.len(),
-        count_names(tables.emitters.iter().map(|e| emitter_name(e.kind)))
-    )?;
-    writeln!(
-        out,
-        "memory       {:.1} MiB of tables",
-        mebibytes(tables.memory_bytes())
-    )?;
-    writeln!(out, "\nplugins")?;
-    for (name, count) in &scene.plugins {
-        writeln!(out, "  {count:5}  {name}")?;
-    }
-    Ok(())
-}
-
-/// "2 a, 1 b", in order of first occurrence.
-fn count_names(names: impl Iterator<Item = &'static str>) -> String {
-    let mut counts: Vec<(&str, usize)> = Vec::new();
-    for name in names {
-        match counts.iter_mut().find(|entry| entry.0 == name) {
-            Some(entry) => entry.1 += 1,
-            None => counts.push((name, 1)),
-        }
-    }
+/// "2 a, 1 b".
+fn list(counts: &[Count]) -> String {
     let parts: Vec<_> = counts
         .iter()
-        .map(|(name, n)| format!("{n} {name}"))
+        .map(|entry| format!("{} {}", entry.count, entry.name))
         .collect();
     parts.join(", ")
 }
 
+fn title(named: &Named) -> String {
+    match &named.id {
+        Some(id) => format!("{id} ({})", named.plugin),
+        None => named.plugin.clone(),
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s >= 3600.0 => format!("{:.1} h", s / 3600.0),
+        s if s >= 60.0 => format!("{:.1} min", s / 60.0),
+        s => format!("{s:.1} s"),
+    }
+}
+
 fn mebibytes(bytes: usize) -> f64 {
     bytes as f64 / (1024.0 * 1024.0)
-}
-
-fn lobe_name(kind: u32) -> &'static str {
-    match kind {
-        lobe_kind::DIFFUSE => "diffuse",
-        lobe_kind::CONDUCTOR => "conductor",
-        lobe_kind::ROUGH_CONDUCTOR => "rough conductor",
-        lobe_kind::DIELECTRIC => "dielectric",
-        lobe_kind::THIN_DIELECTRIC => "thin dielectric",
-        lobe_kind::ROUGH_DIELECTRIC => "rough dielectric",
-        lobe_kind::PLASTIC => "plastic",
-        lobe_kind::ROUGH_PLASTIC => "rough plastic",
-        lobe_kind::NULL => "null",
-        lobe_kind::COAT => "coat",
-        lobe_kind::ROUGH_COAT => "rough coat",
-        lobe_kind::MERL => "measured",
-        lobe_kind::ROUGH_DIFFUSE => "rough diffuse",
-        lobe_kind::DIFFRACTING_CONDUCTOR => "diffracting conductor",
-        lobe_kind::PHONG => "Phong highlight",
-        lobe_kind::WARD => "Ward highlight",
-        lobe_kind::DIFFUSE_TRANSMISSION => "diffuse transmission",
-        lobe_kind::PRINCIPLED_DIFFUSE => "principled diffuse",
-        lobe_kind::SHEEN => "sheen",
-        lobe_kind::SCHLICK_REFLECTION => "Schlick reflection",
-        lobe_kind::CLEARCOAT => "clear coat",
-        _ => "unknown",
-    }
-}
-
-fn emitter_name(kind: u32) -> &'static str {
-    match kind {
-        emitter_kind::AREA => "area",
-        emitter_kind::POINT => "point",
-        emitter_kind::SPOT => "spot",
-        emitter_kind::PROJECTOR => "projector",
-        emitter_kind::DIRECTIONAL => "directional",
-        emitter_kind::CONSTANT => "constant",
-        emitter_kind::ENVIRONMENT => "environment",
-        _ => "unknown",
-    }
 }

@@ -8,10 +8,10 @@ use halflight_kernel::transport::integrator_kind;
 #[derive(Args, Clone, Debug)]
 pub struct PhotonArgs {
     /// Light paths per pass of photon mapping.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 28))]
+    #[arg(help_heading = "Algorithm", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 28))]
     pub photons: Option<u32>,
     /// Radius within which photons are gathered in the first pass, in units of the scene.
-    #[arg(long, value_name = "R", value_parser = parse_radius)]
+    #[arg(help_heading = "Algorithm", long, value_name = "R", value_parser = parse_radius)]
     pub radius: Option<f32>,
 }
 

@@ -10,6 +10,7 @@ use crate::render::progress::ProgressReport;
 use crate::render::{
     MutationsPerPixel, Observer, Outcome, RenderOptions, RunState, Shape, render, shape,
 };
+use crate::say::print_line;
 use crate::scene::build::Scene;
 use std::error::Error;
 use std::process::ExitCode;
@@ -95,6 +96,7 @@ pub fn run_with(
     let mut observer = RunObserver {
         report: ProgressReport::new(options.goal, state, quiet).with_unit(mutations),
         checkpoint,
+        previews: args.previews(&output, &film)?,
     };
     let outcome = render(
         Job {
@@ -108,6 +110,7 @@ pub fn run_with(
         &mut observer,
     );
     observer.report.finish();
+    observer.previews.show(&film, true);
     // Whatever ended the run, what was rendered is kept: first where it can go on from, then as an image.
     let saved = match &mut observer.checkpoint {
         Some(checkpoint) => checkpoint.save(&state, &film),
@@ -138,6 +141,11 @@ pub fn run_with(
     }
     args.write(&output, &scene, &film, &options, &state, quiet)?;
     saved?;
+    if args.json {
+        let is_finished = matches!(outcome, Ok(Outcome::Finished));
+        let statistics = args.statistics(&output, &scene, &film, &state, is_finished);
+        print_line(format_args!("{statistics:#}"))?;
+    }
     match outcome {
         Err(error) => {
             tracing::warn!("{} holds what was rendered before", output.display());

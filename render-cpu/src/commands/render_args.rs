@@ -1,7 +1,9 @@
 //! The arguments of `halflight render`.
 
 use super::estimator_args::EstimatorArgs;
-use super::render_values::{parse_aov, parse_duration, parse_exposure, parse_range};
+use super::render_values::{
+    parse_aov, parse_duration, parse_exposure, parse_positive, parse_range,
+};
 use super::scene_args::SceneArgs;
 use crate::film::aov::{Aov, AovSet};
 use crate::image::png_output::Exposure;
@@ -20,9 +22,9 @@ pub struct RenderArgs {
     /// The algorithm's own.
     #[command(flatten)]
     pub estimator: EstimatorArgs,
-    /// Image to write; a PNG of the same name goes beside it. Default: the scene's name with .exr, in the working
+    /// Image to write, by its name an OpenEXR, PFM, Radiance, PNG or JPEG file; a PNG goes beside the first three. Default: the scene's name with .exr, in the working
     /// directory.
-    #[arg(help_heading = "Image", short, long, value_name = "OUT.exr")]
+    #[arg(help_heading = "Image", short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Samples per pixel. Default: what the scene asks for.
     #[arg(help_heading = "Samples", long, value_name = "N", conflicts_with_all = ["time", "samples"], value_parser = clap::value_parser!(u32).range(1..))]
@@ -42,9 +44,9 @@ pub struct RenderArgs {
     /// Spend samples where the error is.
     #[arg(help_heading = "Samples", long)]
     pub adaptive: bool,
-    /// Layers to write beside the image: albedo, normal, depth, position, uv, variance, samples.
+    /// Layers to write beside the image: albedo, normal, depth, position, uv, alpha, variance, samples, or all.
     #[arg(help_heading = "Image", long, value_name = "LIST", value_delimiter = ',', value_parser = parse_aov)]
-    pub aov: Vec<Aov>,
+    pub aov: Vec<AovSet>,
     /// Save the state of the run here now and then, and when it ends; if it is there already, go on from it.
     #[arg(help_heading = "Going on later", long, value_name = "FILE")]
     pub checkpoint: Option<PathBuf>,
@@ -63,6 +65,27 @@ pub struct RenderArgs {
     /// Exposure of the PNG in stops, or "auto".
     #[arg(help_heading = "Image", long, value_name = "EV", default_value = "0", value_parser = parse_exposure, allow_hyphen_values = true)]
     pub exposure: Exposure,
+    /// Name of the image's owner, for its metadata.
+    #[arg(
+        help_heading = "Image",
+        long,
+        value_name = "NAME",
+        default_value = "",
+        hide_default_value = true
+    )]
+    pub owner: String,
+    /// Rewrite the PNG while the image is rendered.
+    #[arg(help_heading = "Image", long, conflicts_with = "no_png")]
+    pub live: bool,
+    /// Show the image in the viewer tev while it is rendered, as in --tev localhost:14158.
+    #[arg(help_heading = "Image", long, value_name = "HOST:PORT")]
+    pub tev: Option<String>,
+    /// Print JSON with what the run took, at its end.
+    #[arg(help_heading = "Image", long)]
+    pub json: bool,
+    /// Bring the largest component of every sample down to VALUE: fewer fireflies, and a bias towards darkness.
+    #[arg(help_heading = "Samples", long, value_name = "VALUE", value_parser = parse_positive)]
+    pub clamp: Option<f32>,
     /// Write colours as 16-bit floats.
     #[arg(help_heading = "Image", long)]
     pub half: bool,
@@ -71,8 +94,12 @@ pub struct RenderArgs {
 impl RenderArgs {
     /// The layers of the image: those that are asked for, here or in the scene, and the number of samples.
     pub(super) fn layers(&self, scene: &Scene) -> AovSet {
-        let asked = scene.layers.iter().chain(self.aov.iter().copied());
-        asked.fold(AovSet::NONE.with(Aov::Samples), AovSet::with)
+        self.asked_layers(scene).with(Aov::Samples)
+    }
+
+    /// The layers that are asked for, here or in the scene.
+    pub(super) fn asked_layers(&self, scene: &Scene) -> AovSet {
+        self.aov.iter().copied().fold(scene.layers, AovSet::union)
     }
 
     /// What the run shall do.

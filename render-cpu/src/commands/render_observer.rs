@@ -1,5 +1,6 @@
 //! What happens between the passes of `halflight render`: a progress report and checkpoints.
 
+use super::preview::Previews;
 use crate::film::Film;
 use crate::render::progress::ProgressReport;
 use crate::render::{CheckpointFile, Observer, RunState};
@@ -11,6 +12,8 @@ pub(super) struct RunObserver {
     pub report: ProgressReport,
     /// Where the run is saved, if it is.
     pub checkpoint: Option<CheckpointFile>,
+    /// Where it is shown.
+    pub previews: Previews,
 }
 
 impl Observer for RunObserver {
@@ -23,6 +26,7 @@ impl Observer for RunObserver {
         if let Some(checkpoint) = &mut self.checkpoint {
             checkpoint.save_if_due(state, film);
         }
+        self.previews.show(film, false);
         Ok(())
     }
 }

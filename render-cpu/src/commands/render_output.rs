@@ -1,14 +1,22 @@
 //! The output files of `halflight render`: their names, and their contents.
 
 use super::output_file;
+use super::preview::{LivePng, Previews, TevPreview};
 use super::render_args::RenderArgs;
+use super::render_state::CLAMP;
 use crate::film::Film;
+use crate::film::aov::Aov;
+use crate::image::camera_attributes::{world_to_camera, world_to_ndc};
 use crate::image::exr_output::{LayeredImage, write_exr};
-use crate::image::png_output::write_png;
+use crate::image::picture::Picture;
+use crate::image::picture_output::{EXTENSIONS, ImageFormat, write_picture};
+use crate::image::png_output::{Look, write_png};
+use crate::image::window::Window;
 use crate::render::record::image_metadata;
 use crate::render::{MutationsPerPixel, RenderOptions, RunState};
 use crate::say::note;
 use crate::scene::build::Scene;
+use serde_json::{Value, json};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -20,6 +28,7 @@ impl RenderArgs {
     pub(super) fn output_path(&self) -> Result<PathBuf, String> {
         let output = match &self.output {
             Some(path) => path.clone(),
+            None if self.scene.scene.as_os_str() == "-" => PathBuf::from("image.exr"),
             None => {
                 let stem = self
                     .scene
@@ -35,8 +44,8 @@ impl RenderArgs {
             self.checkpoint.as_ref(),
         ];
         let inputs = || inputs.into_iter().flatten().map(PathBuf::as_path);
-        output_file::check(&output, &["exr"], inputs())?;
-        if !self.no_png {
+        output_file::check(&output, &EXTENSIONS, inputs())?;
+        if self.writes_png(&output) {
             output_file::check(&output.with_extension("png"), &[], inputs())?;
         }
         if let Some(checkpoint) = &self.checkpoint {
@@ -64,11 +73,40 @@ impl RenderArgs {
                 film.height()
             ));
         }
-        let metadata = image_metadata(&self.scene.scene, scene, film, options, state);
-        let image = LayeredImage::from_film(film, scene.tables.camera.film_size, metadata);
-        write_exr(output, &image, self.half)?;
+        let format = ImageFormat::of_file(output).unwrap_or(ImageFormat::Exr);
+        let camera = &scene.tables.camera;
+        if format == ImageFormat::Exr {
+            let mut metadata = image_metadata(&self.scene.scene, scene, film, options, state);
+            metadata.owner.clone_from(&self.owner);
+            metadata.world_to_camera = Some(world_to_camera(camera));
+            metadata.world_to_ndc = Some(world_to_ndc(camera));
+            if let Some(clamp) = self.clamp {
+                let value = clamp.to_string();
+                metadata.settings.insert(CLAMP.to_owned(), value);
+            }
+            if !self.asked_layers(scene).contains(Aov::Samples) {
+                metadata.samples_per_pixel = film.even_samples();
+            }
+            let image = LayeredImage::from_film(film, camera.film_size, metadata);
+            write_exr(output, &image, self.half)?;
+        } else {
+            let picture = Picture {
+                window: Window {
+                    origin: film.crop_offset().map(|v| v as i32),
+                    width: film.width(),
+                    height: film.height(),
+                },
+                full_size: camera.film_size,
+                pixels: film.mean().iter().map(|p| p.map(|v| v as f32)).collect(),
+            };
+            let look = Look {
+                exposure: self.exposure,
+                ..Look::default()
+            };
+            write_picture(output, format, &picture, look)?;
+        }
         tracing::info!("wrote {}", output.display());
-        if !self.no_png {
+        if self.writes_png(output) {
             let png = output.with_extension("png");
             write_png(
                 &png,
@@ -80,6 +118,25 @@ impl RenderArgs {
             tracing::info!("wrote {}", png.display());
         }
         Ok(())
+    }
+
+    /// What shows the image while it is rendered.
+    ///
+    /// # Errors
+    /// If tev cannot be reached.
+    pub(super) fn previews(&self, output: &Path, film: &Film) -> Result<Previews, String> {
+        let name = || output.display().to_string();
+        let connect = |address: &String| TevPreview::connect(address, name(), film);
+        let png = output.with_extension("png");
+        Ok(Previews {
+            tev: self.tev.as_ref().map(connect).transpose()?,
+            png: self.live.then(|| LivePng::new(png, self.exposure)),
+        })
+    }
+
+    /// Whether a PNG goes beside an image: where that is none to look at.
+    pub(super) fn writes_png(&self, output: &Path) -> bool {
+        !self.no_png && ImageFormat::of_file(output).is_none_or(ImageFormat::is_linear)
     }
 
     /// The last line of a run: where the image is and what it took.
@@ -95,9 +152,44 @@ impl RenderArgs {
         note(format_args!(
             "{}{}: {samples:.digits$} {} per pixel in {:.1} s",
             output.display(),
-            if self.no_png { "" } else { " and .png" },
+            if self.writes_png(output) {
+                " and .png"
+            } else {
+                ""
+            },
             if unit.0 > 1 { "mutations" } else { "samples" },
             state.seconds
         ));
+    }
+
+    /// What a run took, as JSON.
+    pub(super) fn statistics(
+        &self,
+        output: &Path,
+        scene: &Scene,
+        film: &Film,
+        state: &RunState,
+        is_finished: bool,
+    ) -> Value {
+        let png = self
+            .writes_png(output)
+            .then(|| output.with_extension("png"));
+        json!({
+            "scene": self.scene.scene.display().to_string(),
+            "image": output.display().to_string(),
+            "png": png.map(|path| path.display().to_string()),
+            "width": film.width(),
+            "height": film.height(),
+            "integrator": scene.integrator,
+            "threads": rayon::current_num_threads(),
+            "finished": is_finished,
+            "samples_per_pixel": film.mean_samples(),
+            "samples": film.total_samples(),
+            "rejected_samples": film.total_rejected(),
+            "seconds": state.seconds,
+            "passes": state.passes,
+            "relative_noise": film.relative_noise(),
+            "warnings": scene.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        })
     }
 }

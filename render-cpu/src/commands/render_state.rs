@@ -1,8 +1,8 @@
 //! Where a run of `halflight render` begins: with nothing, or where an earlier one stopped; and how it goes on after that.
 
 use super::render_args::RenderArgs;
-use crate::film::Film;
 use crate::film::checkpoint::{CheckpointError, load_checkpoint};
+use crate::film::{Film, FilmError};
 use crate::render::record::run_settings;
 use crate::render::{CheckpointFile, Goal, RenderOptions, RunState};
 use crate::say::note;
@@ -10,6 +10,9 @@ use crate::scene::build::Scene;
 use std::error::Error;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+
+/// Name of the setting that says what samples are brought down to.
+pub(super) const CLAMP: &str = "clamp";
 
 impl RenderArgs {
     /// The film and its state, and the file that the state is saved to, if any. A checkpoint that is there is gone on from or
@@ -25,15 +28,24 @@ impl RenderArgs {
         let camera = &scene.tables.camera;
         let [width, height] = camera.crop_size;
         let layers = self.layers(scene);
-        let empty = || Film::new(width, height, camera.crop_offset, layers);
+        let clamp = self.clamp.unwrap_or(f32::INFINITY);
+        let empty = || {
+            let mut film = Film::new(width, height, camera.crop_offset, layers)?;
+            film.set_clamp(clamp);
+            Ok::<_, FilmError>(film)
+        };
         let Some((from, path)) = self.checkpoint_files()? else {
             return Ok((empty()?, RunState::default(), None));
         };
         // Only checkpoints hold them, and the tables of a large scene take a while to read.
-        let settings = run_settings(&self.scene.scene, scene, options, layers);
+        let mut settings = run_settings(&self.scene.scene, scene, options, layers);
+        if let Some(clamp) = self.clamp {
+            settings.insert(CLAMP.to_owned(), clamp.to_string());
+        }
         let (film, state) = match from {
             Some(from) => {
-                let (progress, film) = load_checkpoint(&from, &settings).map_err(explained)?;
+                let (progress, mut film) = load_checkpoint(&from, &settings).map_err(explained)?;
+                film.set_clamp(clamp);
                 let state = RunState {
                     passes: progress.passes,
                     samples: progress.next_sample,

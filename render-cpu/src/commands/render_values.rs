@@ -1,13 +1,17 @@
 //! Values of the options of `halflight render`, read from text.
 
-use crate::film::aov::Aov;
+use crate::film::aov::{Aov, AovSet};
 use crate::image::png_output::Exposure;
 use std::time::Duration;
 
-/// The name of a layer.
-pub(super) fn parse_aov(text: &str) -> Result<Aov, String> {
+/// The name of a layer, or "all".
+pub(super) fn parse_aov(text: &str) -> Result<AovSet, String> {
+    if text.trim() == "all" {
+        return Ok(AovSet::ALL);
+    }
     text.trim()
         .parse()
+        .map(|aov: Aov| AovSet::NONE.with(aov))
         .map_err(|e: crate::film::aov::UnknownAov| e.to_string())
 }
 
@@ -22,6 +26,14 @@ pub(super) fn parse_range(text: &str) -> Result<(u32, u32), String> {
     } else {
         Err(form())
     }
+}
+
+/// A positive number.
+pub(super) fn parse_positive(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|v: &f32| *v > 0.0 && v.is_finite())
+        .ok_or_else(|| "expected a number above zero".to_string())
 }
 
 /// Stops, or "auto".

@@ -3,38 +3,45 @@
 use crate::accel::Accel;
 use crate::scene::build::{BuildOptions, Crop, FilmOverride, Scene, build_scene};
 use crate::scene::error::SceneError;
-use crate::scene::xml::parse_scene;
+use crate::scene::xml::{ParsedScene, decode, parse_scene, parse_scene_from_str};
 use clap::Args;
-use std::path::PathBuf;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// Name of a scene that is read from standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// Longest scene that is read from there.
+const MAX_INPUT_BYTES: u64 = 1 << 30;
 
 /// A scene file and what the command line changes about it.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// Mitsuba scene file (XML of version 0.6, 2 or 3).
+    /// Mitsuba scene file (XML of version 0.6, 2 or 3); - for standard input, beside the working directory's files.
     pub scene: PathBuf,
     /// Value of a `$name` in the scene file.
-    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
+    #[arg(help_heading = "Scene", short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
     pub defines: Vec<(String, String)>,
     /// Size of the image in pixels.
-    #[arg(long, value_name = "WxH", value_parser = parse_size, conflicts_with = "width")]
+    #[arg(help_heading = "Pixels", long, value_name = "WxH", value_parser = parse_size, conflicts_with = "width")]
     pub size: Option<[u32; 2]>,
     /// Width of the image in pixels; the height follows in proportion.
-    #[arg(long, value_name = "W")]
+    #[arg(help_heading = "Pixels", long, value_name = "W")]
     pub width: Option<u32>,
     /// Part of the image to render, in pixels of the whole image.
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_crop)]
+    #[arg(help_heading = "Pixels", long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     pub crop: Option<Crop>,
     /// Algorithm instead of the scene's: path, direct, ao, ptracer, bdpt, pssmlt, mmlt, mlt, erpt, sppm, vcm, vm or bpm.
-    #[arg(long, value_name = "NAME")]
+    #[arg(help_heading = "Algorithm", long, value_name = "NAME")]
     pub integrator: Option<String>,
     /// Random numbers instead of the scene's: independent or sobol.
-    #[arg(long, value_name = "NAME")]
+    #[arg(help_heading = "Algorithm", long, value_name = "NAME")]
     pub sampler: Option<String>,
     /// Which of several sensors, from 0.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(help_heading = "Scene", long, value_name = "N", default_value_t = 0)]
     pub sensor: usize,
     /// Stop at the first thing that would otherwise be a warning.
-    #[arg(long)]
+    #[arg(help_heading = "Scene", long)]
     pub strict: bool,
 }
 
@@ -44,9 +51,35 @@ impl SceneArgs {
     /// # Errors
     /// What is wrong with the scene or the arguments.
     pub fn load(&self) -> Result<Scene, SceneError> {
-        let parsed = parse_scene(&self.scene, &self.defines, self.strict)?;
+        self.build(&self.parse()?)
+    }
+
+    /// Reads the scene, from standard input where its name is `-`.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn parse(&self) -> Result<ParsedScene, SceneError> {
+        if self.scene != Path::new(STANDARD_INPUT) {
+            return parse_scene(&self.scene, &self.defines, self.strict);
+        }
+        let name = Path::new("standard input");
+        let mut bytes = Vec::new();
+        io::stdin()
+            .lock()
+            .take(MAX_INPUT_BYTES)
+            .read_to_end(&mut bytes)
+            .map_err(|e| SceneError::file(name, format!("cannot be read: {e}")))?;
+        let text = decode(name, bytes)?;
+        parse_scene_from_str(&text, name, &self.defines, self.strict)
+    }
+
+    /// Builds the tables of the scene.
+    ///
+    /// # Errors
+    /// What is wrong with the scene or the arguments.
+    pub fn build(&self, parsed: &ParsedScene) -> Result<Scene, SceneError> {
         build_scene(
-            &parsed,
+            parsed,
             &BuildOptions {
                 film: FilmOverride {
                     size: self.size,

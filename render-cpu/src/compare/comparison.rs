@@ -308,7 +308,7 @@ fn run_ztest(
 
 /// Least and mean number of samples of an image's pixels.
 fn samples(image: &ExrImage) -> Option<(f64, f64)> {
-    let counts = image.channel("samples")?;
+    let counts = image.sample_counts()?;
     let least = counts.iter().copied().fold(f32::INFINITY, f32::min);
     let mean = counts.iter().map(|&n| f64::from(n)).sum::<f64>() / counts.len() as f64;
     mean.is_finite().then_some((f64::from(least), mean))

@@ -190,6 +190,7 @@ fn write_image(plan: &Plan, progress: &Progress, film: &Film) -> Result<(), Farm
         render_seconds: progress.render_seconds,
         scene_digest,
         settings,
+        ..ImageMetadata::default()
     };
     let image = LayeredImage::from_film(film, plan.full_size, metadata);
     write_exr(&plan.output, &image, false)?;

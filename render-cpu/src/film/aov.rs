@@ -20,6 +20,8 @@ pub enum Aov {
     Position,
     /// Texture coordinates.
     Uv,
+    /// Share of the samples whose camera ray meets a surface.
+    Alpha,
     /// Variance of the pixel's mean radiance, RGB.
     Variance,
     /// Number of samples of the pixel.
@@ -28,12 +30,13 @@ pub enum Aov {
 
 impl Aov {
     /// Every output variable, in the order of the accumulators.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Albedo,
         Self::Normal,
         Self::Depth,
         Self::Position,
         Self::Uv,
+        Self::Alpha,
         Self::Variance,
         Self::Samples,
     ];
@@ -46,19 +49,29 @@ impl Aov {
             Self::Depth => "depth",
             Self::Position => "position",
             Self::Uv => "uv",
+            Self::Alpha => "alpha",
             Self::Variance => "variance",
             Self::Samples => "samples",
         }
     }
 
-    /// Suffixes of the layer's EXR channels; empty for the one channel that is named as its layer.
+    /// Suffixes of the layer's EXR channels; empty for those that are one channel, see [`Self::channel`].
     pub const fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Albedo | Self::Variance => &["R", "G", "B"],
             Self::Normal | Self::Position => &["X", "Y", "Z"],
             Self::Depth => &["Z"],
             Self::Uv => &["U", "V"],
-            Self::Samples => &[],
+            Self::Alpha | Self::Samples => &[],
+        }
+    }
+
+    /// Name of the EXR channel of a layer that is one channel of its own.
+    pub const fn channel(self) -> Option<&'static str> {
+        match self {
+            Self::Alpha => Some("A"),
+            Self::Samples => Some("samples"),
+            _ => None,
         }
     }
 
@@ -67,7 +80,7 @@ impl Aov {
         match self {
             Self::Albedo | Self::Normal | Self::Position => 3,
             Self::Uv => 2,
-            Self::Depth => 1,
+            Self::Depth | Self::Alpha => 1,
             Self::Variance | Self::Samples => 0,
         }
     }
@@ -86,7 +99,7 @@ impl fmt::Display for Aov {
 /// A name that is no output variable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, variance, samples)"
+    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, alpha, variance, samples, or all)"
 )]
 pub struct UnknownAov(pub String);
 
@@ -112,6 +125,15 @@ impl AovSet {
     /// Whether the set holds `aov`.
     pub const fn contains(self, aov: Aov) -> bool {
         self.0 & aov.bit() != 0
+    }
+
+    /// Every variable.
+    pub const ALL: Self = Self(u8::MAX);
+
+    /// The variables of both sets.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
     }
 
     /// The set with `aov` added.

@@ -13,12 +13,13 @@ pub mod checkpoint;
 pub mod exact_sum;
 pub mod owed;
 mod pixel_statistics;
+mod tile;
 
-use aov::{Aov, AovSample, AovSet};
-use glam::Vec3;
+use aov::{Aov, AovSet};
 use owed::Owed;
 
 pub use pixel_statistics::{PixelStatistics, luminance};
+pub use tile::{FilmTile, PixelMut};
 
 /// Why a film cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,6 +44,8 @@ pub struct Film {
     aov_sums: Vec<f64>,
     /// What a pass that was cut still owes.
     owed: Option<Owed>,
+    /// What the largest component of a sample is brought down to; infinite by default.
+    clamp: f32,
 }
 
 impl Film {
@@ -87,6 +90,7 @@ impl Film {
             statistics,
             aov_sums,
             owed: None,
+            clamp: f32::INFINITY,
         })
     }
 
@@ -130,6 +134,18 @@ impl Film {
         &mut self.owed
     }
 
+    /// Brings the largest component of every sample from now on down to `clamp`: fewer fireflies, and a bias.
+    pub fn set_clamp(&mut self, clamp: f32) {
+        self.clamp = clamp;
+    }
+
+    /// Samples of every pixel, where all have as many.
+    pub fn even_samples(&self) -> Option<u32> {
+        let first = self.statistics.first()?.count;
+        let is_even = self.statistics.iter().all(|p| p.count == first);
+        is_even.then_some(first)
+    }
+
     /// Samples per pixel, on average.
     pub fn mean_samples(&self) -> f64 {
         self.total_samples() as f64 / self.statistics.len() as f64
@@ -170,6 +186,7 @@ impl Film {
             statistics: &mut self.statistics[i],
             aov_sums: &mut self.aov_sums[i * n..(i + 1) * n],
             aovs: self.aovs,
+            clamp: self.clamp,
         }
     }
 
@@ -191,7 +208,7 @@ impl Film {
 
     fn blocks_mut(&mut self, size: u32, rows: u32) -> Vec<FilmTile<'_>> {
         assert!(size > 0 && rows > 0, "tiles need a size");
-        let aovs = self.aovs;
+        let (aovs, clamp) = (self.aovs, self.clamp);
         let n = aovs.accumulators();
         let width = self.width as usize;
         let across = width.div_ceil(size as usize);
@@ -208,6 +225,7 @@ impl Film {
                         y: y as u32,
                         width: size.min(self.width - x),
                         aovs,
+                        clamp,
                         rows: Vec::new(),
                     });
                 }
@@ -290,102 +308,6 @@ impl Film {
         }
         for (a, b) in self.aov_sums.iter_mut().zip(&other.aov_sums) {
             *a += b;
-        }
-    }
-}
-
-/// One pixel of a film, to add samples to.
-#[derive(Debug)]
-pub struct PixelMut<'a> {
-    /// Radiance statistics of the pixel.
-    pub statistics: &'a mut PixelStatistics,
-    aov_sums: &'a mut [f64],
-    aovs: AovSet,
-}
-
-impl PixelMut<'_> {
-    /// Adds one radiance sample, already multiplied by its signed filter weight.
-    #[inline]
-    pub fn add_sample(&mut self, radiance: Vec3) {
-        self.statistics.add(radiance);
-    }
-
-    /// Adds radiance samples, one after the other.
-    pub fn add_samples(&mut self, radiance: &[Vec3]) {
-        // A copy, so that sums of one sample need not be stored for the next.
-        let mut statistics = *self.statistics;
-        for &sample in radiance {
-            statistics.add(sample);
-        }
-        *self.statistics = statistics;
-    }
-
-    /// Adds the surface features of one sample; call it once per [`Self::add_sample`] if
-    /// [`AovSet::needs_surface`]. Features that are not finite count as zero.
-    pub fn add_aovs(&mut self, sample: &AovSample) {
-        let mut at = 0;
-        for aov in self.aovs.iter() {
-            let values: &[f32] = match aov {
-                Aov::Albedo => &sample.albedo,
-                Aov::Normal => &sample.normal,
-                Aov::Depth => std::slice::from_ref(&sample.depth),
-                Aov::Position => &sample.position,
-                Aov::Uv => &sample.uv,
-                Aov::Variance | Aov::Samples => &[],
-            };
-            for &value in values {
-                if value.is_finite() {
-                    self.aov_sums[at] += f64::from(value);
-                }
-                at += 1;
-            }
-        }
-    }
-}
-
-/// A rectangle of a film that one thread works on.
-#[derive(Debug)]
-pub struct FilmTile<'a> {
-    x: u32,
-    y: u32,
-    width: u32,
-    aovs: AovSet,
-    rows: Vec<(&'a mut [PixelStatistics], &'a mut [f64])>,
-}
-
-impl FilmTile<'_> {
-    /// First column of the tile within the film.
-    pub fn x(&self) -> u32 {
-        self.x
-    }
-
-    /// First row of the tile within the film.
-    pub fn y(&self) -> u32 {
-        self.y
-    }
-
-    /// Width in pixels; the last tile of a row may be narrower.
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Height in pixels; the tiles of the last row may be lower.
-    pub fn height(&self) -> u32 {
-        self.rows.len() as u32
-    }
-
-    /// One pixel to add samples to; coordinates are relative to the film, as those of [`Film::pixel_mut`].
-    ///
-    /// # Panics
-    /// If the pixel is outside of the tile.
-    pub fn pixel_mut(&mut self, x: u32, y: u32) -> PixelMut<'_> {
-        let i = (x - self.x) as usize;
-        let n = self.aovs.accumulators();
-        let (statistics, aov_sums) = &mut self.rows[(y - self.y) as usize];
-        PixelMut {
-            statistics: &mut statistics[i],
-            aov_sums: &mut aov_sums[i * n..(i + 1) * n],
-            aovs: self.aovs,
         }
     }
 }

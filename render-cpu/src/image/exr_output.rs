@@ -1,7 +1,9 @@
 //! Writing images as OpenEXR: one file, one part, named layers.
 //!
 //! Channels: `R`, `G`, `B` radiance; `albedo.R` ..., `normal.X` ..., `depth.Z`, `position.X` ..., `uv.U`, `uv.V`;
-//! `variance.R` ... the variance of the pixel's mean; `samples` its number of samples (unsigned integers).
+//! `variance.R` ... the variance of the pixel's mean; `A` the share of its samples that met a surface; `samples` its number of
+//! samples (unsigned integers), unless all pixels have as many: then the attribute `samplesPerPixel` says how many, and programs
+//! that know no layers see a plain RGB image.
 //! ZIP compression line by line: half the time of blocks of sixteen lines, and files that are 2 to 5 % longer, noisy as
 //! radiance is. The data window is the crop, the display window the whole image. The file is written atomically.
 
@@ -66,9 +68,21 @@ impl LayeredImage {
             channels.push((name.to_owned(), ChannelValues::Colour(values)));
         }
         for aov in film.aovs().iter() {
-            if aov == Aov::Samples {
-                let counts = statistics.iter().map(|p| p.count).collect();
-                channels.push((aov.name().to_owned(), ChannelValues::Count(counts)));
+            let values = match aov {
+                // Where all pixels have as many, the metadata say so, and other programs see three channels.
+                Aov::Samples if metadata.samples_per_pixel.is_some() => None,
+                Aov::Samples => Some(ChannelValues::Count(
+                    statistics.iter().map(|p| p.count).collect(),
+                )),
+                Aov::Alpha => Some(ChannelValues::Float(
+                    (0..statistics.len())
+                        .map(|i| film.aov_mean(aov, 0, i) as f32)
+                        .collect(),
+                )),
+                _ => None,
+            };
+            if let (Some(name), Some(values)) = (aov.channel(), values) {
+                channels.push((name.to_owned(), values));
             }
             for (c, suffix) in aov.channels().iter().enumerate() {
                 let values = (0..statistics.len())
@@ -127,16 +141,24 @@ pub fn write_exr(path: &Path, image: &LayeredImage, half: bool) -> Result<(), Wr
         layer_position: Vec2(image.offset[0], image.offset[1]),
         ..LayerAttributes::default()
     };
-    for (name, value) in image.metadata.attributes() {
-        // "software" is among the standard attributes, which the library keeps apart.
-        if name == "software" {
-            layer_attributes.software_name = Some(text(&value));
-        } else {
-            layer_attributes
-                .other
-                .insert(text(name), AttributeValue::Text(text(&value)));
+    let metadata = &image.metadata;
+    for (name, value) in metadata.attributes() {
+        // Those among the standard attributes have fields of their own.
+        match name {
+            "software" => layer_attributes.software_name = Some(text(&value)),
+            "owner" => layer_attributes.owner = Some(text(&value)),
+            _ => {
+                let value = AttributeValue::Text(text(&value));
+                layer_attributes.other.insert(text(name), value);
+            }
         }
     }
+    for (name, value) in metadata.numbers() {
+        let value = AttributeValue::F64(value);
+        layer_attributes.other.insert(text(name), value);
+    }
+    layer_attributes.world_to_camera = metadata.world_to_camera;
+    layer_attributes.world_to_normalized_device = metadata.world_to_ndc;
     let encoding = Encoding {
         compression: Compression::ZIP1,
         blocks: Blocks::ScanLines,

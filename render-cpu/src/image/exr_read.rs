@@ -18,6 +18,7 @@ use exr::block::reader::ChunksReader;
 use exr::compression::Compression;
 use exr::meta::attribute::{AttributeValue, SampleType};
 use exr::meta::header::Header;
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -48,6 +49,16 @@ impl ExrImage {
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         let (_, samples) = self.channels.iter().find(|(n, _)| n == name)?;
         Some(samples)
+    }
+
+    /// Samples of every pixel: of the layer `samples`, or as many for all as the attribute `samplesPerPixel` says.
+    pub fn sample_counts(&self) -> Option<Cow<'_, [f32]>> {
+        if let Some(counts) = self.channel("samples") {
+            return Some(Cow::Borrowed(counts));
+        }
+        let count: f32 = self.attribute("samplesPerPixel")?.parse().ok()?;
+        let pixels = self.width as usize * self.height as usize;
+        Some(Cow::Owned(vec![count; pixels]))
     }
 
     /// The value of the attribute of exactly this name.

@@ -22,6 +22,7 @@ use crate::image::merge_layers::{
 };
 use crate::image::metadata::{ImageMetadata, join_ranges};
 use crate::image::window::Window;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A channel's mean so far, and the sum of squared deviations if the images carry variances.
 struct MergedChannel {
@@ -40,6 +41,8 @@ pub struct Merger {
     images: Vec<(String, ImageMetadata, Window)>,
     counts: Vec<f64>,
     channels: Vec<MergedChannel>,
+    /// Whether some image has a layer of sample counts.
+    has_samples: bool,
     warnings: Vec<String>,
     force: bool,
 }
@@ -79,6 +82,7 @@ impl Merger {
             metadata,
             counts,
             channels,
+            has_samples: image.channel(SAMPLES).is_some(),
             warnings: Vec::new(),
             force,
         };
@@ -163,6 +167,7 @@ impl Merger {
                 self.first
             ));
         }
+        self.has_samples |= image.channel(SAMPLES).is_some();
         self.metadata.render_seconds += metadata.render_seconds;
         let is_elsewhere = !self.images.iter().any(|(_, _, w)| w.meets(&window));
         for range in &metadata.sample_ranges {
@@ -200,11 +205,17 @@ impl Merger {
             let values = channel.mean.into_iter().map(|v| v as f32).collect();
             channels.push((channel.name, ChannelValues::Float(values)));
         }
-        let counts = self.counts.iter().map(|&n| n as u32).collect();
-        channels.push((SAMPLES.to_owned(), ChannelValues::Count(counts)));
+        let first = self.counts.first().copied().unwrap_or(0.0);
+        let is_even = self.counts.iter().all(|&n| n == first);
+        let samples_per_pixel = (is_even && !self.has_samples).then_some(first as u32);
+        if samples_per_pixel.is_none() {
+            let counts = self.counts.iter().map(|&n| n as u32).collect();
+            channels.push((SAMPLES.to_owned(), ChannelValues::Count(counts)));
+        }
         let metadata = ImageMetadata {
             spp: self.counts.iter().sum::<f64>() / pixels as f64,
             sample_ranges: join_ranges(&self.metadata.sample_ranges),
+            samples_per_pixel,
             ..self.metadata
         };
         LayeredImage {
@@ -279,13 +290,20 @@ impl Merger {
                 });
             }
             // What is named above is not named twice.
-            for (what, expected) in &ours.settings {
-                let found = metadata
-                    .settings
-                    .get(what)
-                    .map_or("unknown", String::as_str);
+            let names: BTreeSet<&String> = ours
+                .settings
+                .keys()
+                .chain(metadata.settings.keys())
+                .collect();
+            for what in names {
+                let of = |settings: &BTreeMap<String, String>| {
+                    let value = settings.get(what).map_or("not set", String::as_str);
+                    value.to_owned()
+                };
+                let (found, expected) = (of(&metadata.settings), of(&ours.settings));
+                // What is named above is not named twice.
                 if found != expected && differences.is_empty() {
-                    differences.push(other(what, found, expected));
+                    differences.push(other(what, &found, &expected));
                 }
             }
         }

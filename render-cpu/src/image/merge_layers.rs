@@ -36,19 +36,17 @@ pub(super) fn metadata(name: &str, image: &ExrImage) -> Result<ImageMetadata, Me
 
 /// Samples of every pixel.
 pub(super) fn sample_counts(name: &str, image: &ExrImage) -> Result<Vec<f64>, MergeError> {
-    for layer in ["R", "G", "B", SAMPLES] {
+    let missing = |layer: &str| MergeError::MissingLayer {
+        name: name.to_owned(),
+        layer: layer.to_owned(),
+    };
+    for layer in ["R", "G", "B"] {
         if image.channel(layer).is_none() {
-            return Err(MergeError::MissingLayer {
-                name: name.to_owned(),
-                layer: layer.to_owned(),
-            });
+            return Err(missing(layer));
         }
     }
-    let counts = to_f64(
-        name,
-        image.channel(SAMPLES).unwrap_or_default(),
-        image.width as usize,
-    )?;
+    let counts = image.sample_counts().ok_or_else(|| missing(SAMPLES))?;
+    let counts = to_f64(name, &counts, image.width as usize)?;
     match counts.iter().position(|n| *n < 0.0 || n.fract() != 0.0) {
         Some(i) => Err(invalid(
             name,

@@ -1,7 +1,8 @@
 //! Metadata of a rendered image: the attributes of its EXR file.
 //!
-//! Attributes are text, named `scene`, `integrator`, `sampler`, `seed`, `spp`, `sampleRanges`, `renderSeconds`, `software`,
-//! `sceneDigest` and `settings` (JSON), so that every EXR tool shows them. The last two tell images that belong together. `sampleRanges` is the record that makes merging safe: which samples
+//! Attributes are text, named `scene`, `integrator`, `sampler`, `seed`, `sampleRanges`, `software`, `owner`, `sceneDigest` and
+//! `settings` (JSON), so that every EXR tool shows them, or numbers: `spp`, `renderSeconds`, `samplesPerPixel`. `sceneDigest` and
+//! `settings` tell images that belong together. `sampleRanges` is the record that makes merging safe: which samples
 //! of which seeds the image holds, as in `1:0..64 2:0..64`.
 
 use std::collections::BTreeMap;
@@ -87,6 +88,14 @@ pub struct ImageMetadata {
     pub sample_ranges: Vec<SampleRange>,
     /// Seconds spent rendering, all runs together.
     pub render_seconds: f64,
+    /// Samples of every pixel, where all have as many.
+    pub samples_per_pixel: Option<u32>,
+    /// Who the image belongs to; empty where nobody said.
+    pub owner: String,
+    /// World to camera as OpenEXR has it: for row vectors, x to the right, y up, z forward.
+    pub world_to_camera: Option<[f32; 16]>,
+    /// World to the display window, (0, 0) its upper left and (1, 1) its lower right corner.
+    pub world_to_ndc: Option<[f32; 16]>,
     /// Digest of the scene's content; empty where it is not known.
     pub scene_digest: String,
     /// What else decides the radiance that an image estimates, by name, and the sampler.
@@ -101,9 +110,10 @@ impl ImageMetadata {
             ("scene", self.scene.clone()),
             ("integrator", self.integrator.clone()),
             ("sampler", self.sampler.clone()),
-            ("spp", self.spp.to_string()),
-            ("renderSeconds", self.render_seconds.to_string()),
         ];
+        if !self.owner.is_empty() {
+            attributes.push(("owner", self.owner.clone()));
+        }
         if !self.scene_digest.is_empty() {
             attributes.push(("sceneDigest", self.scene_digest.clone()));
         }
@@ -127,6 +137,15 @@ impl ImageMetadata {
             ));
         }
         attributes
+    }
+
+    /// The metadata that are numbers: names and values.
+    pub fn numbers(&self) -> Vec<(&'static str, f64)> {
+        let mut numbers = vec![("spp", self.spp), ("renderSeconds", self.render_seconds)];
+        if let Some(samples) = self.samples_per_pixel {
+            numbers.push(("samplesPerPixel", samples.into()));
+        }
+        numbers
     }
 
     /// The metadata of attributes, looked up by name; what is missing stays at its default.
@@ -155,6 +174,10 @@ impl ImageMetadata {
             spp: number("spp"),
             sample_ranges,
             render_seconds: number("renderSeconds"),
+            samples_per_pixel: find("samplesPerPixel").and_then(|t| t.parse().ok()),
+            owner: text("owner"),
+            world_to_camera: None,
+            world_to_ndc: None,
             scene_digest: text("sceneDigest"),
             settings: serde_json::from_str(&text("settings")).unwrap_or_default(),
         })

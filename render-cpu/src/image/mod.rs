@@ -6,6 +6,7 @@
 //! small allowance). Memory is therefore proportional to the file.
 
 pub mod bitmap;
+pub mod camera_attributes;
 mod error;
 pub mod exr_output;
 pub mod exr_read;
@@ -14,6 +15,8 @@ pub mod merge_error;
 mod merge_layers;
 pub mod metadata;
 mod pfm;
+pub mod picture;
+pub mod picture_output;
 pub mod png_output;
 mod radiance;
 pub mod window;

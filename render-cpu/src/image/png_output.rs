@@ -33,6 +33,27 @@ impl Default for Exposure {
     }
 }
 
+/// How values above one are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum ToneCurve {
+    /// Unchanged up to 0.8, a soft shoulder above.
+    #[default]
+    Soft,
+    /// Cut at one, as the transfer function of sRGB has it.
+    Clip,
+    /// x / (1 + x) (Reinhard et al. 2002, equation 3), per channel.
+    Reinhard,
+}
+
+/// Exposure and tone curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// Scale before the curve.
+    pub exposure: Exposure,
+    /// The curve.
+    pub curve: ToneCurve,
+}
+
 /// Where the shoulder of the tone curve begins.
 const SHOULDER: f64 = 0.8;
 
@@ -81,9 +102,24 @@ pub fn exposure_scale(pixels: &[[f64; 3]], exposure: Exposure) -> f64 {
 
 /// 8-bit sRGB of an image, three bytes per pixel.
 pub fn tone_map(pixels: &[[f64; 3]], exposure: Exposure) -> Vec<u8> {
-    let scale = exposure_scale(pixels, exposure);
+    let look = Look {
+        exposure,
+        ..Look::default()
+    };
+    tone_map_with(pixels, look)
+}
+
+/// [`tone_map`] with a curve of choice.
+pub fn tone_map_with(pixels: &[[f64; 3]], look: Look) -> Vec<u8> {
+    let scale = exposure_scale(pixels, look.exposure);
+    let curve = |v: f64| match look.curve {
+        ToneCurve::Soft => tone_curve(v),
+        ToneCurve::Clip => v.clamp(0.0, 1.0),
+        ToneCurve::Reinhard if v.is_finite() => v.max(0.0) / (1.0 + v.max(0.0)),
+        ToneCurve::Reinhard => v.clamp(0.0, 1.0),
+    };
     // A float cast saturates and takes NaN to zero.
-    let encode = |v: f64| (srgb_encode(tone_curve(v * scale)) * 255.0).round() as u8;
+    let encode = |v: f64| (srgb_encode(curve(v * scale)) * 255.0).round() as u8;
     pixels.iter().flat_map(|p| p.map(encode)).collect()
 }
 

@@ -161,6 +161,7 @@ pub fn image_metadata(
         render_seconds: state.seconds,
         scene_digest,
         settings,
+        ..ImageMetadata::default()
     }
 }
 

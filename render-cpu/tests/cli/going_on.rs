@@ -1,6 +1,10 @@
 //! Checkpoints are gone on from or left alone, and a run says how it goes on.
 
 use super::{Place, SCENE};
+use clap::Parser;
+use halflight::commands::render::{RenderArgs, run_with};
+use halflight::render::Outcome;
+use std::process::ExitCode;
 
 fn stderr(place: &Place, arguments: &[&str], code: i32) -> String {
     let output = place.run(arguments);
@@ -87,6 +91,41 @@ fn a_checkpoint_is_never_replaced_by_another_run() {
     );
     // The same scene under another name is the same scene.
     place.succeed(&["render", "-o", "b.exr", "moved.xml", "--checkpoint", "c"]);
+}
+
+/// The arguments of a render, parsed in this process.
+#[derive(clap::Parser)]
+struct Alone {
+    #[command(flatten)]
+    render: RenderArgs,
+}
+
+#[test]
+fn a_run_without_a_sample_leaves_files_alone() {
+    let place = Place::with_scene();
+    place.write("old.exr", "an image");
+    place.write("old.png", "a picture");
+    let path = |name: &str| place.path(name).display().to_string();
+    let alone = Alone::parse_from([
+        "render",
+        &path("scene.xml"),
+        "-o",
+        &path("old.exr"),
+        "--checkpoint",
+        &path("c"),
+    ]);
+    let run = |outcome: Outcome| run_with(&alone.render, true, |_, _, _, _, _| Ok(outcome));
+    let interrupted = run(Outcome::Interrupted).expect("an exit code");
+    assert_eq!(interrupted, ExitCode::from(130));
+    let error = run(Outcome::Finished).expect_err("no image");
+    assert!(error.to_string().contains("left as it was"), "{error}");
+    let lost = run_with(&alone.render, true, |_, _, _, _, _| Err("lost".into()));
+    assert_eq!(lost.expect_err("no image").to_string(), "lost");
+    for (name, content) in [("old.exr", "an image"), ("old.png", "a picture")] {
+        let found = std::fs::read_to_string(place.path(name));
+        assert_eq!(found.expect("a file"), content);
+    }
+    assert!(!place.path("c").exists());
 }
 
 #[cfg(unix)]

@@ -3,10 +3,13 @@
 mod bad_input;
 mod comparing;
 mod going_on;
+mod images;
 mod interruption;
+mod looking;
 mod lost_lines;
 mod materials;
 mod outputs;
+mod previews;
 mod rendering;
 #[path = "../common/room.rs"]
 mod room;

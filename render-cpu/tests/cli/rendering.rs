@@ -227,7 +227,7 @@ fn a_time_limit_ends_a_run() {
     let place = Place::with_scene();
     place.succeed(&["render", "scene.xml", "-o", "t.exr", "--time", "0.5s"]);
     let image = read(&place.path("t.exr"));
-    assert!(image.channel("samples").is_some_and(|s| s[0] >= 1.0));
+    assert!(image.sample_counts().is_some_and(|s| s[0] >= 1.0));
 }
 
 #[test]

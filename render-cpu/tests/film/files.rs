@@ -25,6 +25,8 @@ fn metadata() -> ImageMetadata {
         render_seconds: 1.5,
         scene_digest: "0123456789abcdef".into(),
         settings: [("max_depth".into(), "-1".into())].into(),
+        owner: "Zoë".into(),
+        ..ImageMetadata::default()
     }
 }
 

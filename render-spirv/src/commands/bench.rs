@@ -8,6 +8,7 @@ use halflight::commands::scene_args::{SceneArgs, build_accel};
 use halflight::film::Film;
 use halflight::film::aov::AovSet;
 use halflight::render::{Backend, CpuBackend, Goal, RenderOptions, Stop};
+use halflight::say::print_line;
 use halflight::scene::build::Scene;
 use halflight_kernel::math::Ray;
 use halflight_kernel::sampler::AnySampler;
@@ -70,26 +71,26 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     })?;
     let rays = rays_per_sample(&scene, &accel);
     let name = &device.description().name;
-    println!("{}", args.scene.scene.display());
-    println!(
+    print_line(format_args!("{}", args.scene.scene.display()))?;
+    print_line(format_args!(
         "  {width} x {height}, {} triangles",
         scene.tables.triangles.len()
-    );
-    println!("  {rays:.2} rays per sample");
-    println!(
+    ))?;
+    print_line(format_args!("  {rays:.2} rays per sample"))?;
+    print_line(format_args!(
         "  {name}: {:.3} Msamples/s, {:.2} Mrays/s, {:.1} MiB of which {:.1} are the scene, ready in {ready:.2} s",
         on_device * 1e-6,
         on_device * rays * 1e-6,
         mebibytes(device.peak_memory_used()),
         mebibytes(backend.scene_bytes())
-    );
-    println!(
+    ))?;
+    print_line(format_args!(
         "  processor, {} threads: {:.3} Msamples/s, {:.2} Mrays/s",
         rayon::current_num_threads(),
         on_cpu * 1e-6,
         on_cpu * rays * 1e-6
-    );
-    println!("  ratio {:.2}", on_device / on_cpu);
+    ))?;
+    print_line(format_args!("  ratio {:.2}", on_device / on_cpu))?;
     check_validation(&device)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -2,6 +2,7 @@
 
 use crate::canary::loop_budget;
 use crate::vulkan::{Device, Instance, VulkanError};
+use halflight::say::print_line;
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -16,8 +17,8 @@ pub fn run() -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         return Err(VulkanError::NoDevice.into());
     }
     for (number, d) in devices.into_iter().enumerate() {
-        println!("{number}  {}", d.name);
-        println!(
+        print_line(format_args!("{number}  {}", d.name))?;
+        print_line(format_args!(
             "   {:?}, Vulkan {}.{}, {}, {} MiB, buffers up to {} MiB",
             d.kind,
             d.version.0,
@@ -25,16 +26,20 @@ pub fn run() -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
             d.driver.trim(),
             d.memory >> 20,
             d.max_buffer >> 20
-        );
+        ))?;
         if !d.missing.is_empty() {
-            println!("   cannot render: lacks {}", d.missing.join(", "));
+            print_line(format_args!(
+                "   cannot render: lacks {}",
+                d.missing.join(", ")
+            ))?;
             continue;
         }
-        match loop_budget(&Device::new(&instance, d)?) {
-            Ok(u32::MAX) => {}
-            Ok(budget) => println!("   ends loops after {budget} iterations of an invocation"),
-            Err(error) => println!("   cannot render: {error}"),
-        }
+        let said = match loop_budget(&Device::new(&instance, d)?) {
+            Ok(u32::MAX) => continue,
+            Ok(budget) => format!("ends loops after {budget} iterations of an invocation"),
+            Err(error) => format!("cannot render: {error}"),
+        };
+        print_line(format_args!("   {said}"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -5,6 +5,7 @@ use crate::device_backend::DeviceBackend;
 use clap::Args;
 use halflight::commands::render::{RenderArgs, run_with};
 use halflight::render::render_with;
+use halflight::say::note;
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -36,6 +37,15 @@ pub fn run(args: &GpuRenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error 
         device.limit_memory(bytes);
     }
     let code = run_with(&args.render, quiet, |job, film, state, stop, observer| {
+        if !quiet {
+            let name = &device.description().name;
+            let first = if device.has_compiled_shaders() {
+                ""
+            } else {
+                ", which takes a while the first time"
+            };
+            note(format_args!("compiling shaders for {name}{first}"));
+        }
         let mut backend = DeviceBackend::new(
             &device,
             job.scene,

@@ -6,6 +6,7 @@
 use super::allocations::Allocations;
 use super::error::{VulkanError, call};
 use super::instance::{DeviceDescription, Instance};
+use super::pipeline_cache::PipelineCache;
 use ash::vk;
 use std::sync::{Arc, Mutex};
 
@@ -15,6 +16,7 @@ pub struct Device {
     description: DeviceDescription,
     pub(super) memory: vk::PhysicalDeviceMemoryProperties,
     pub(super) allocations: Allocations,
+    pub(super) pipeline_cache: PipelineCache,
     /// The queue and what records for it; one submission at a time.
     pub(super) queue: Mutex<Queue>,
     instance: Arc<Instance>,
@@ -83,6 +85,13 @@ impl Device {
             }
         };
         // SAFETY: the handle comes from this instance.
+        let properties = unsafe {
+            instance
+                .raw
+                .get_physical_device_properties(description.handle)
+        };
+        let pipeline_cache = PipelineCache::new(&raw, &properties)?;
+        // SAFETY: the handle comes from this instance.
         let memory = unsafe {
             instance
                 .raw
@@ -93,6 +102,7 @@ impl Device {
             description,
             memory,
             allocations: Allocations::default(),
+            pipeline_cache,
             queue: Mutex::new(queue),
             instance: instance.clone(),
         }))
@@ -108,6 +118,16 @@ impl Device {
         &self.instance
     }
 
+    /// Whether an earlier run left compiled shaders.
+    pub fn has_compiled_shaders(&self) -> bool {
+        self.pipeline_cache.is_filled()
+    }
+
+    /// Keeps the compiled shaders for the next run.
+    pub fn keep_compiled_shaders(&self) {
+        self.pipeline_cache.save(&self.raw);
+    }
+
     pub(super) fn name(&self) -> String {
         self.description.name.clone()
     }
@@ -121,6 +141,8 @@ impl Drop for Device {
             let _ = self.raw.device_wait_idle();
             self.raw.destroy_fence(queue.fence, None);
             self.raw.destroy_command_pool(queue.pool, None);
+            self.raw
+                .destroy_pipeline_cache(self.pipeline_cache.raw, None);
             self.raw.destroy_device(None);
         }
     }

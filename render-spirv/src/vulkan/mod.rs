@@ -9,6 +9,7 @@ pub mod error;
 pub mod instance;
 pub mod memory;
 pub mod pipeline;
+mod pipeline_cache;
 mod submission;
 
 pub use device::Device;

@@ -135,7 +135,7 @@ impl Device {
                 .name(entry)
                 .specialization_info(&specialization);
             let result = self.raw.create_compute_pipelines(
-                vk::PipelineCache::null(),
+                self.pipeline_cache.raw,
                 &[vk::ComputePipelineCreateInfo::default()
                     .stage(stage)
                     .layout(pipeline.layout)],

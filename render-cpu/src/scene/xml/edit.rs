@@ -69,6 +69,7 @@ impl ParsedScene {
             files: self.files.clone(),
             diagnostics,
             kept_files: self.kept_files.clone(),
+            parameters: self.parameters.clone(),
         })
     }
 }

@@ -26,17 +26,18 @@ pub mod unused;
 mod upgrade;
 mod value;
 
-pub(crate) use source::read_text;
+pub(crate) use source::{decode, read_text};
 
 pub use edit::NamedValue;
 pub use getters::{ColorSource, FloatSource};
 pub use object::{Child, Object, ObjectKind, Properties, Property, Value};
+pub use parameters::DeclaredParameter;
 pub use value::{Color, Spectrum};
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::error::{Diagnostics, SceneError, Warning};
+use super::error::{Diagnostics, Location, SceneError, Warning};
 use super::kept_files::KeptFiles;
 
 /// A scene that was read, and what was noticed meanwhile.
@@ -50,6 +51,8 @@ pub struct ParsedScene {
     pub diagnostics: Arc<Diagnostics>,
     /// What was read from other files; shared with every object.
     pub kept_files: Arc<KeptFiles>,
+    /// The parameters that the scene has defaults for.
+    pub parameters: Arc<[DeclaredParameter]>,
 }
 
 impl ParsedScene {
@@ -102,8 +105,15 @@ fn finish(
     parameters: parameters::Parameters,
     diagnostics: Arc<Diagnostics>,
 ) -> Result<ParsedScene, SceneError> {
-    parameters.check_all_used()?;
     let files = document.files.clone();
+    for name in parameters.unused()? {
+        let file = files.first().map(PathBuf::as_path).unwrap_or(Path::new(""));
+        diagnostics.warn(
+            &Location::of_file(file),
+            format!("-D {name}"),
+            "the scene has a default for this parameter and uses it nowhere",
+        )?;
+    }
     let kept_files = Arc::new(KeptFiles::default());
     let root = resolve::resolve(document, &diagnostics, &kept_files)?;
     Ok(ParsedScene {
@@ -111,5 +121,6 @@ fn finish(
         files,
         diagnostics,
         kept_files,
+        parameters: parameters.declared().into(),
     })
 }

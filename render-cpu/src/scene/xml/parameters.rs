@@ -15,6 +15,15 @@ struct Parameter {
     used: bool,
 }
 
+/// A `<default>` of a scene file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeclaredParameter {
+    /// Its name.
+    pub name: String,
+    /// The value that it has where nobody gives another one.
+    pub default: String,
+}
+
 /// The parameters known so far.
 pub struct Parameters {
     by_name: HashMap<String, Parameter>,
@@ -22,6 +31,8 @@ pub struct Parameters {
     lengths: Vec<usize>,
     /// Names of `-D` that nothing has used yet are reported in this order.
     defined: Vec<String>,
+    /// Those that the scene has a default for, in its order.
+    declared: Vec<DeclaredParameter>,
     substituted: usize,
 }
 
@@ -32,6 +43,7 @@ impl Parameters {
             by_name: HashMap::new(),
             lengths: Vec::new(),
             defined: Vec::new(),
+            declared: Vec::new(),
             substituted: 0,
         };
         for (name, value) in defines {
@@ -63,6 +75,12 @@ impl Parameters {
 
     /// A `<default>`: has no effect when the name is known.
     pub fn set_default(&mut self, name: &str, value: &str) {
+        if !self.declared.iter().any(|known| known.name == name) {
+            self.declared.push(DeclaredParameter {
+                name: name.to_owned(),
+                default: value.to_owned(),
+            });
+        }
         if !self.by_name.contains_key(name) {
             // Scenes may leave their own defaults unused.
             self.insert(name, value, true);
@@ -125,20 +143,29 @@ impl Parameters {
         suggestion(name, known).map_or(String::new(), |near| format!(" (did you mean \"{near}\"?)"))
     }
 
-    /// That every parameter of the command line was used somewhere.
-    pub fn check_all_used(&self) -> Result<(), SceneError> {
+    /// The defaults of the scene.
+    pub fn declared(&self) -> &[DeclaredParameter] {
+        &self.declared
+    }
+
+    /// That every parameter of the command line is one of the scene's: an error for those that it does not know, and the names
+    /// of those that it knows and uses nowhere.
+    pub fn unused(&self) -> Result<Vec<&str>, SceneError> {
+        let mut unused = Vec::new();
         for name in &self.defined {
-            if !self
-                .by_name
-                .get(name)
-                .is_some_and(|parameter| parameter.used)
-            {
+            let is_used = self.by_name.get(name).is_some_and(|known| known.used);
+            if is_used {
+                continue;
+            }
+            if self.declared.iter().any(|known| known.name == *name) {
+                unused.push(name.as_str());
+            } else {
                 return Err(SceneError::Request(format!(
                     "the scene has no parameter \"{name}\"{}",
                     self.hint(name)
                 )));
             }
         }
-        Ok(())
+        Ok(unused)
     }
 }

@@ -119,7 +119,7 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
 }
 
 /// The text of a file, decoded from the encoding that it declares.
-fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
+pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
     let (encoding, mark) = match Encoding::for_bom(&bytes) {
         Some(found) => found,
         None => (declared_encoding(path, &bytes)?, 0),

@@ -1,0 +1,286 @@
+//! What `halflight info` finds in a scene, as numbers and names.
+
+use crate::accel::Accel;
+use crate::film::Film;
+use crate::film::aov::AovSet;
+use crate::render::record::sampler_name;
+use crate::render::{Backend, CpuBackend, Goal, RenderOptions, Shape, Stop, shape};
+use crate::scene::build::Scene;
+use crate::scene::xml::{ObjectKind, ParsedScene};
+use halflight_kernel::scene::{camera_kind, emitter_kind, lobe_kind};
+use serde::Serialize;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Samples that are taken to find out what they cost, about.
+const TRIAL_SAMPLES: usize = 1 << 15;
+
+/// Longest time for that.
+const TRIAL_TIME: Duration = Duration::from_secs(1);
+
+/// A name and how often it occurs.
+#[derive(Debug, Serialize)]
+pub(super) struct Count {
+    pub name: String,
+    pub count: usize,
+}
+
+/// A parameter of the scene file.
+#[derive(Debug, Serialize)]
+pub(super) struct Parameter {
+    pub name: String,
+    pub default: String,
+    /// From the command line.
+    pub value: Option<String>,
+}
+
+/// An object that can be named on the command line.
+#[derive(Debug, Serialize)]
+pub(super) struct Named {
+    pub plugin: String,
+    pub id: Option<String>,
+}
+
+/// Trees over the scene.
+#[derive(Debug, Serialize)]
+pub(super) struct Trees {
+    pub nodes: usize,
+    pub depth: usize,
+    pub primitives: usize,
+    pub skipped: usize,
+    pub bytes: usize,
+    pub seconds: f64,
+}
+
+/// What an image takes.
+#[derive(Debug, Serialize)]
+pub(super) struct Cost {
+    pub film_bytes: usize,
+    /// Of all threads; none where it was not measured.
+    pub samples_per_second: Option<f64>,
+    /// For as many samples as the scene asks for.
+    pub seconds: Option<f64>,
+}
+
+/// All of it.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub scene: String,
+    pub camera: &'static str,
+    pub size: [u32; 2],
+    pub crop_offset: [u32; 2],
+    pub crop_size: [u32; 2],
+    pub integrator: String,
+    pub samples_per_pixel: u32,
+    pub sampler: &'static str,
+    /// As the scene file has it.
+    pub sampler_name: String,
+    pub seed: u32,
+    pub parameters: Vec<Parameter>,
+    pub sensors: Vec<Named>,
+    pub bsdfs: Vec<Named>,
+    pub center: [f32; 3],
+    pub radius: f32,
+    pub shapes: usize,
+    pub triangles: usize,
+    pub vertices: usize,
+    pub analytic: usize,
+    pub groups: usize,
+    pub instances: usize,
+    pub materials: usize,
+    pub lobes: Vec<Count>,
+    pub textures: usize,
+    pub texel_bytes: usize,
+    pub emitters: Vec<Count>,
+    pub table_bytes: usize,
+    pub plugins: Vec<Count>,
+    pub files: Vec<String>,
+    pub ray_tracing: Trees,
+    pub cost: Cost,
+    pub warnings: Vec<String>,
+}
+
+impl Report {
+    /// Of a scene with its trees; `defines` are those of the command line.
+    pub fn new(
+        name: String,
+        parsed: &ParsedScene,
+        defines: &[(String, String)],
+        scene: &Scene,
+        accel: &Accel,
+    ) -> Report {
+        let tables = &scene.tables;
+        let camera = &tables.camera;
+        let trees = accel.statistics();
+        let named = |kind: ObjectKind, with_id: bool| -> Vec<Named> {
+            let children = parsed.root.children_of(kind).map(|child| Named {
+                plugin: child.object.plugin.clone(),
+                id: child.object.id.clone(),
+            });
+            children.filter(|n| !with_id || n.id.is_some()).collect()
+        };
+        let given = |name: &str| {
+            let define = defines.iter().rev().find(|(known, _)| known == name);
+            define.map(|(_, value)| value.clone())
+        };
+        let parameters = parsed.parameters.iter().map(|p| Parameter {
+            name: p.name.clone(),
+            default: p.default.clone(),
+            value: given(&p.name),
+        });
+        let plugins = scene.plugins.iter().map(|(name, count)| Count {
+            name: name.clone(),
+            count: *count,
+        });
+        Report {
+            scene: name,
+            camera: match camera.kind {
+                camera_kind::THIN_LENS => "thin lens",
+                camera_kind::ORTHOGRAPHIC => "orthographic",
+                _ => "perspective",
+            },
+            size: camera.film_size,
+            crop_offset: camera.crop_offset,
+            crop_size: camera.crop_size,
+            integrator: scene.integrator.clone(),
+            samples_per_pixel: scene.spp,
+            sampler: sampler_name(scene.sampler),
+            sampler_name: scene.sampler_name.clone(),
+            seed: scene.seed,
+            parameters: parameters.collect(),
+            sensors: named(ObjectKind::Sensor, false),
+            bsdfs: named(ObjectKind::Bsdf, true),
+            center: tables.info.center,
+            radius: tables.info.radius,
+            shapes: tables.shapes.len(),
+            triangles: tables.triangles.len(),
+            vertices: tables.positions.len(),
+            analytic: tables.quadrics.len(),
+            groups: tables.groups.len() - 1,
+            instances: tables.instances.len() - 1,
+            materials: tables.materials.len(),
+            lobes: counts(tables.lobes.iter().map(|lobe| lobe_name(lobe.kind))),
+            textures: tables.textures.len(),
+            texel_bytes: size_of_val(tables.texels.as_slice()),
+            emitters: counts(tables.emitters.iter().map(|e| emitter_name(e.kind))),
+            table_bytes: tables.memory_bytes(),
+            plugins: plugins.collect(),
+            files: parsed
+                .files
+                .iter()
+                .map(|f| f.display().to_string())
+                .collect(),
+            ray_tracing: Trees {
+                nodes: trees.nodes,
+                depth: trees.depth,
+                primitives: trees.primitives,
+                skipped: trees.skipped,
+                bytes: trees.bytes,
+                seconds: trees.build_time.as_secs_f64(),
+            },
+            cost: cost(scene, accel),
+            warnings: scene.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+/// Takes some samples to see what an image costs.
+fn cost(scene: &Scene, accel: &Accel) -> Cost {
+    let camera = &scene.tables.camera;
+    let [width, height] = camera.crop_size;
+    let pixels = width as usize * height as usize;
+    let mut cost = Cost {
+        film_bytes: pixels * size_of::<crate::film::PixelStatistics>(),
+        samples_per_second: None,
+        seconds: None,
+    };
+    // Other algorithms take whole images only.
+    if shape(scene.settings.kind) != Shape::Pixels {
+        return cost;
+    }
+    let Ok(mut film) = Film::new(width, height, camera.crop_offset, AovSet::NONE) else {
+        return cost;
+    };
+    let options = RenderOptions {
+        goal: Goal::Samples(1),
+        seed: 0,
+        first_sample: 0,
+        adaptive: false,
+    };
+    let mut threads = CpuBackend {
+        scene,
+        accel,
+        options: &options,
+    };
+    // Pixels from all over the image, an odd number apart so that they do not stand in columns.
+    let every = (pixels / TRIAL_SAMPLES).max(1) | 1;
+    let of_each = (TRIAL_SAMPLES / pixels).clamp(1, 16) as u32;
+    let wanted = |i: usize| if i.is_multiple_of(every) { of_each } else { 0 };
+    let trial: Vec<u32> = (0..pixels).map(wanted).collect();
+    let request = AtomicBool::new(false);
+    let start = Instant::now();
+    let stop = Stop::new(&request, Some(start + TRIAL_TIME));
+    let pass = threads.pass(&mut film, of_each, Some(&trial), &stop);
+    let taken = film.total_samples() as f64;
+    if pass.is_ok() && taken > 0.0 {
+        let rate = taken / start.elapsed().as_secs_f64().max(1e-9);
+        cost.samples_per_second = Some(rate);
+        cost.seconds = Some(pixels as f64 * f64::from(scene.spp) / rate);
+    }
+    cost
+}
+
+/// Names in the order of their first occurrence.
+fn counts(names: impl Iterator<Item = &'static str>) -> Vec<Count> {
+    let mut counts: Vec<Count> = Vec::new();
+    for name in names {
+        match counts.iter_mut().find(|entry| entry.name == name) {
+            Some(entry) => entry.count += 1,
+            None => counts.push(Count {
+                name: name.to_owned(),
+                count: 1,
+            }),
+        }
+    }
+    counts
+}
+
+fn lobe_name(kind: u32) -> &'static str {
+    match kind {
+        lobe_kind::DIFFUSE => "diffuse",
+        lobe_kind::CONDUCTOR => "conductor",
+        lobe_kind::ROUGH_CONDUCTOR => "rough conductor",
+        lobe_kind::DIELECTRIC => "dielectric",
+        lobe_kind::THIN_DIELECTRIC => "thin dielectric",
+        lobe_kind::ROUGH_DIELECTRIC => "rough dielectric",
+        lobe_kind::PLASTIC => "plastic",
+        lobe_kind::ROUGH_PLASTIC => "rough plastic",
+        lobe_kind::NULL => "null",
+        lobe_kind::COAT => "coat",
+        lobe_kind::ROUGH_COAT => "rough coat",
+        lobe_kind::MERL => "measured",
+        lobe_kind::ROUGH_DIFFUSE => "rough diffuse",
+        lobe_kind::DIFFRACTING_CONDUCTOR => "diffracting conductor",
+        lobe_kind::PHONG => "Phong highlight",
+        lobe_kind::WARD => "Ward highlight",
+        lobe_kind::DIFFUSE_TRANSMISSION => "diffuse transmission",
+        lobe_kind::PRINCIPLED_DIFFUSE => "principled diffuse",
+        lobe_kind::SHEEN => "sheen",
+        lobe_kind::SCHLICK_REFLECTION => "Schlick reflection",
+        lobe_kind::CLEARCOAT => "clear coat",
+        _ => "unknown",
+    }
+}
+
+fn emitter_name(kind: u32) -> &'static str {
+    match kind {
+        emitter_kind::AREA => "area",
+        emitter_kind::POINT => "point",
+        emitter_kind::SPOT => "spot",
+        emitter_kind::PROJECTOR => "projector",
+        emitter_kind::DIRECTIONAL => "directional",
+        emitter_kind::CONSTANT => "constant",
+        emitter_kind::ENVIRONMENT => "environment",
+        _ => "unknown",
+    }
+}

@@ -1,0 +1,117 @@
+//! Parts of a film that one thread works on: a pixel, a rectangle of pixels.
+
+use super::PixelStatistics;
+use super::aov::{Aov, AovSample, AovSet};
+use glam::Vec3;
+
+/// A sample whose largest component is brought down to `clamp`, its colour kept. What is not finite stays so.
+#[inline]
+fn limited(sample: Vec3, clamp: f32) -> Vec3 {
+    let most = sample.abs().max_element();
+    if most > clamp {
+        sample * (clamp / most)
+    } else {
+        sample
+    }
+}
+
+/// One pixel of a film, to add samples to.
+#[derive(Debug)]
+pub struct PixelMut<'a> {
+    /// Radiance statistics of the pixel.
+    pub statistics: &'a mut PixelStatistics,
+    pub(super) aov_sums: &'a mut [f64],
+    pub(super) aovs: AovSet,
+    pub(super) clamp: f32,
+}
+
+impl PixelMut<'_> {
+    /// Adds one radiance sample, already multiplied by its signed filter weight.
+    #[inline]
+    pub fn add_sample(&mut self, radiance: Vec3) {
+        self.statistics.add(limited(radiance, self.clamp));
+    }
+
+    /// Adds radiance samples, one after the other.
+    pub fn add_samples(&mut self, radiance: &[Vec3]) {
+        // A copy, so that sums of one sample need not be stored for the next.
+        let mut statistics = *self.statistics;
+        for &sample in radiance {
+            statistics.add(limited(sample, self.clamp));
+        }
+        *self.statistics = statistics;
+    }
+
+    /// Adds the surface features of one sample; call it once per [`Self::add_sample`] if
+    /// [`AovSet::needs_surface`]. Features that are not finite count as zero.
+    pub fn add_aovs(&mut self, sample: &AovSample) {
+        let mut at = 0;
+        for aov in self.aovs.iter() {
+            let values: &[f32] = match aov {
+                Aov::Albedo => &sample.albedo,
+                Aov::Normal => &sample.normal,
+                Aov::Depth => std::slice::from_ref(&sample.depth),
+                Aov::Position => &sample.position,
+                Aov::Uv => &sample.uv,
+                Aov::Alpha if sample.depth > 0.0 => &[1.0],
+                Aov::Alpha => &[0.0],
+                Aov::Variance | Aov::Samples => &[],
+            };
+            for &value in values {
+                if value.is_finite() {
+                    self.aov_sums[at] += f64::from(value);
+                }
+                at += 1;
+            }
+        }
+    }
+}
+
+/// A rectangle of a film that one thread works on.
+#[derive(Debug)]
+pub struct FilmTile<'a> {
+    pub(super) x: u32,
+    pub(super) y: u32,
+    pub(super) width: u32,
+    pub(super) aovs: AovSet,
+    pub(super) clamp: f32,
+    pub(super) rows: Vec<(&'a mut [PixelStatistics], &'a mut [f64])>,
+}
+
+impl FilmTile<'_> {
+    /// First column of the tile within the film.
+    pub fn x(&self) -> u32 {
+        self.x
+    }
+
+    /// First row of the tile within the film.
+    pub fn y(&self) -> u32 {
+        self.y
+    }
+
+    /// Width in pixels; the last tile of a row may be narrower.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels; the tiles of the last row may be lower.
+    pub fn height(&self) -> u32 {
+        self.rows.len() as u32
+    }
+
+    /// One pixel to add samples to; coordinates are relative to the film, as those of [`Film::pixel_mut`].
+    ///
+    /// # Panics
+    /// If the pixel is outside of the tile.
+    pub fn pixel_mut(&mut self, x: u32, y: u32) -> PixelMut<'_> {
+        let i = (x - self.x) as usize;
+        let n = self.aovs.accumulators();
+        let (statistics, aov_sums) = &mut self.rows[(y - self.y) as usize];
+        PixelMut {
+            statistics: &mut statistics[i],
+            aov_sums: &mut aov_sums[i * n..(i + 1) * n],
+            aovs: self.aovs,
+            clamp: self.clamp,
+        }
+    }
+}

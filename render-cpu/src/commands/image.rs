@@ -188,8 +188,7 @@ pub fn run(args: &ImageArgs) -> Result<ExitCode, AnyError> {
                 let mut sorted: Vec<f64> =
                     values.iter().copied().filter(|v| v.is_finite()).collect();
                 sorted.sort_unstable_by(f64::total_cmp);
-                let last = percentile(&sorted, 0.999);
-                if last > 0.0 { last } else { 1.0 }
+                legible(percentile(&sorted, 0.999))
             });
             let width = picture.window.width as usize;
             let (width, height, bytes) = heatmap::render(&values, width, largest);
@@ -247,6 +246,17 @@ fn luminances(picture: &Picture) -> Vec<f64> {
 fn percentile(sorted: &[f64], share: f64) -> f64 {
     let place = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
     sorted.get(place).copied().unwrap_or(0.0)
+}
+
+/// The next value above with two digits, which a legend can show; one for what is not positive.
+fn legible(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return 1.0;
+    }
+    // Through text, so that it is the shortest number of that value.
+    let digits = 10f64.powf(value.log10().floor() - 1.0);
+    let rounded = (value / digits).ceil() * digits;
+    format!("{rounded:.1e}").parse().unwrap_or(rounded)
 }
 
 /// Prints what there is to know about the channels and the luminance.

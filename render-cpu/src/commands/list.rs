@@ -51,6 +51,14 @@ const INTEGRATORS: &[Entry] = &[
     ("bdpt", "bidirectional path tracing"),
     ("ptracer", "path tracing from the lights"),
     ("ppm", "progressive photon mapping; sppm is the same"),
+    ("vcm", "vertex connection and merging"),
+    ("vm", "vertex merging alone"),
+    ("bpm", "bidirectional photon mapping"),
+    (
+        "pssmlt",
+        "Metropolis light transport in the space of random numbers",
+    ),
+    ("mmlt", "multiplexed Metropolis light transport"),
 ];
 
 const SAMPLERS: &[Entry] = &[

@@ -4,6 +4,7 @@ use super::output_file;
 use super::preview::{LivePng, Previews, TevPreview};
 use super::render_args::RenderArgs;
 use super::render_state::CLAMP;
+use crate::atomic_file::WriteError;
 use crate::film::Film;
 use crate::film::aov::Aov;
 use crate::image::camera_attributes::{world_to_camera, world_to_ndc};
@@ -73,6 +74,25 @@ impl RenderArgs {
                 film.height()
             ));
         }
+        // Both are compressed by one thread each.
+        let (image, png) = rayon::join(
+            || self.write_image(output, scene, film, options, state),
+            || self.write_png_beside(output, film),
+        );
+        image?;
+        png?;
+        Ok(())
+    }
+
+    /// Writes the image in the format of its name.
+    fn write_image(
+        &self,
+        output: &Path,
+        scene: &Scene,
+        film: &Film,
+        options: &RenderOptions,
+        state: &RunState,
+    ) -> Result<(), WriteError> {
         let format = ImageFormat::of_file(output).unwrap_or(ImageFormat::Exr);
         let camera = &scene.tables.camera;
         if format == ImageFormat::Exr {
@@ -106,6 +126,11 @@ impl RenderArgs {
             write_picture(output, format, &picture, look)?;
         }
         tracing::info!("wrote {}", output.display());
+        Ok(())
+    }
+
+    /// Writes the PNG beside the image, if there shall be one.
+    fn write_png_beside(&self, output: &Path, film: &Film) -> Result<(), WriteError> {
         if self.writes_png(output) {
             let png = output.with_extension("png");
             write_png(

@@ -42,8 +42,11 @@ fn oklab_to_linear(lightness: f64, a: f64, b: f64) -> [f64; 3] {
 /// An error map with a legend below: width, height and bytes of the picture. `largest` is the value of the last colour.
 pub fn render(map: &[f64], width: usize, largest: f64) -> (usize, usize, Vec<u8>) {
     let height = map.len() / width;
+    let labels = [(0.0, 0.0), (0.5, 0.5 * largest), (1.0, largest)]
+        .map(|(part, value)| (part, format!("{value}")));
+    let characters: usize = labels.iter().map(|(_, text)| text.len()).sum();
     // Room for the labels even below a narrow map.
-    let full_width = width.max(64);
+    let full_width = width.max(64).max(8 * (characters + 2));
     let full_height = height + LEGEND_HEIGHT;
     let mut bytes = vec![24; 3 * full_width * full_height];
     let mut set = |x: usize, y: usize, color: [u8; 3]| {
@@ -61,8 +64,7 @@ pub fn render(map: &[f64], width: usize, largest: f64) -> (usize, usize, Vec<u8>
             set(4 + x, height + y, color(x as f64 / (bar - 1) as f64));
         }
     }
-    for (part, value) in [(0.0, 0.0), (0.5, 0.5 * largest), (1.0, largest)] {
-        let text = format!("{value}");
+    for (part, text) in labels {
         let center = 4.0 + part * (bar - 1) as f64;
         let left = (center - 4.0 * text.len() as f64)
             .clamp(2.0, (full_width - 8 * text.len()) as f64) as usize;

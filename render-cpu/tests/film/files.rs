@@ -60,7 +60,7 @@ fn exr_holds_every_layer_the_windows_and_the_metadata() {
         .map(|c| c.name.to_string())
         .collect();
     let mut expected: Vec<&str> =
-        "R G B albedo.R albedo.G albedo.B normal.X normal.Y normal.Z depth.Z position.X \
+        "R G B A albedo.R albedo.G albedo.B normal.X normal.Y normal.Z depth.Z position.X \
         position.Y position.Z uv.U uv.V variance.R variance.G variance.B samples"
             .split_whitespace()
             .collect();
@@ -73,6 +73,7 @@ fn exr_holds_every_layer_the_windows_and_the_metadata() {
                 "G" => p.mean[1],
                 "B" => p.mean[2],
                 "samples" => 7.0,
+                "A" => film.aov_mean(Aov::Alpha, 0, i),
                 name => {
                     let (layer, suffix) = name.split_once('.').unwrap();
                     let aov: Aov = layer.parse().unwrap();

@@ -167,7 +167,7 @@ fn output_variables_have_names() {
             set.offset(Aov::Uv),
             all().accumulators()
         ),
-        (5, 3, 12)
+        (5, 3, 13)
     );
     assert!(!AovSet::NONE.with(Aov::Variance).needs_surface());
 }

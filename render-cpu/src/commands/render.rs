@@ -139,7 +139,9 @@ pub fn run_with(
             film.total_samples()
         );
     }
-    args.write(&output, &scene, &film, &options, &state, quiet)?;
+    if let Err(error) = args.write(&output, &scene, &film, &options, &state, quiet) {
+        return Err(args.rescue(error, &output, &scene, &film, &options, &state));
+    }
     saved?;
     if args.json {
         let is_finished = matches!(outcome, Ok(Outcome::Finished));

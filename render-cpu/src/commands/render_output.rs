@@ -84,6 +84,32 @@ impl RenderArgs {
         Ok(())
     }
 
+    /// Writes the image elsewhere after `error` has kept it from where it belongs, so that it is not lost: where temporary files
+    /// go. Returns the error, which says where it is now.
+    pub(super) fn rescue(
+        &self,
+        error: Box<dyn Error + Send + Sync>,
+        output: &Path,
+        scene: &Scene,
+        film: &Film,
+        options: &RenderOptions,
+        state: &RunState,
+    ) -> Box<dyn Error + Send + Sync> {
+        let folder = tempfile::Builder::new().prefix("halflight-").tempdir();
+        let (Ok(folder), Some(name)) = (folder, output.file_name()) else {
+            return error;
+        };
+        let elsewhere = folder.path().join(name);
+        match self.write_image(&elsewhere, scene, film, options, state) {
+            Ok(()) => {
+                // The folder stays.
+                let _ = folder.keep();
+                format!("{error}; the image is {} instead", elsewhere.display()).into()
+            }
+            Err(_) => error,
+        }
+    }
+
     /// Writes the image in the format of its name.
     fn write_image(
         &self,

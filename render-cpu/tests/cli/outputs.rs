@@ -148,3 +148,49 @@ fn an_absurd_number_of_threads_is_refused() {
         );
     }
 }
+
+#[test]
+fn an_image_is_not_lost_with_its_folder() {
+    let place = Place::with_scene();
+    std::fs::create_dir(place.path("images")).expect("a folder");
+    std::fs::create_dir(place.path("tmp")).expect("a folder");
+    let mut command = place.command(&[
+        "render",
+        "scene.xml",
+        "-o",
+        "images/a.exr",
+        "--time",
+        "3s",
+        "--checkpoint",
+        "c",
+        "--checkpoint-interval",
+        "0.1s",
+    ]);
+    let child = command
+        .env("TMPDIR", place.path("tmp"))
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the command runs");
+    let start = std::time::Instant::now();
+    while !place.path("c").exists() {
+        assert!(start.elapsed().as_secs() < 120, "it never began");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::fs::remove_dir_all(place.path("images")).expect("a folder");
+    let output = child.wait_with_output().expect("a status");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    let folder = std::fs::read_dir(place.path("tmp"))
+        .expect("a folder")
+        .next();
+    let image = folder
+        .expect("an entry")
+        .expect("an entry")
+        .path()
+        .join("a.exr");
+    assert!(
+        text.contains(&format!("the image is {} instead", image.display())),
+        "{text}"
+    );
+    assert!(super::read(&image).channel("R").is_some());
+}

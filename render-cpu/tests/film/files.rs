@@ -100,14 +100,16 @@ fn exr_holds_every_layer_the_windows_and_the_metadata() {
         Some(exr::prelude::AttributeValue::Text(t)) => {
             Some(String::from_utf8(t.as_slice().to_vec()).unwrap())
         }
-        _ => (name == "software").then(|| {
-            exr.layer_data
-                .attributes
-                .software_name
-                .clone()
-                .unwrap()
-                .to_string()
-        }),
+        Some(exr::prelude::AttributeValue::F64(number)) => Some(number.to_string()),
+        _ => {
+            let own = &exr.layer_data.attributes;
+            let text = match name {
+                "software" => own.software_name.clone(),
+                "owner" => own.owner.clone(),
+                _ => None,
+            };
+            text.map(|text| text.to_string())
+        }
     };
     assert_eq!(ImageMetadata::from_attributes(find).unwrap(), metadata());
 }

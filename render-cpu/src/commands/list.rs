@@ -59,6 +59,8 @@ const INTEGRATORS: &[Entry] = &[
         "Metropolis light transport in the space of random numbers",
     ),
     ("mmlt", "multiplexed Metropolis light transport"),
+    ("mlt", "Metropolis light transport in the space of paths"),
+    ("erpt", "energy redistribution path tracing"),
 ];
 
 const SAMPLERS: &[Entry] = &[

@@ -108,7 +108,7 @@ fn exr_holds_every_layer_the_windows_and_the_metadata() {
                 "owner" => own.owner.clone(),
                 _ => None,
             };
-            text.map(|text| text.to_string())
+            text.map(|text| String::from_utf8(text.as_slice().to_vec()).unwrap())
         }
     };
     assert_eq!(ImageMetadata::from_attributes(find).unwrap(), metadata());

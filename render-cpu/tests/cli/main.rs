@@ -13,6 +13,8 @@ mod previews;
 mod rendering;
 #[path = "../common/room.rs"]
 mod room;
+#[path = "../common/skip.rs"]
+mod skip;
 
 use room::room;
 use std::path::{Path, PathBuf};

@@ -85,8 +85,8 @@ pub struct ChainSettings {
     pub chains: u32,
     /// Mutations per pixel of a group; 0 for as few as make 2^20 in all.
     pub mutations: u32,
-    /// Samples per pixel of a group for direct illumination, which chains then leave out; 0 if chains find all (Mitsuba 0.6:
-    /// `directSamples`).
+    /// Samples per pixel of a group for direct illumination, which chains then leave out; 0 if chains find all,
+    /// [`ChainSettings::SOME`] for as many as are worth it (Mitsuba 0.6: `directSamples`).
     pub direct_samples: u32,
     /// Mutations of a chain; 0 for those of the group over its chains (Mitsuba 0.6: `chainLength`).
     pub chain_length: u32,
@@ -101,14 +101,17 @@ pub struct ChainSettings {
 }
 
 impl ChainSettings {
-    /// Bidirectional, three large steps of ten, all light by chains.
+    /// Direct illumination by one sample for eight mutations, but 16 at most.
+    pub const SOME: u32 = u32::MAX;
+
+    /// Bidirectional, three large steps of ten, direct illumination apart.
     pub const DEFAULT: ChainSettings = ChainSettings {
         technique: 1,
         p_large: 0.3,
         candidates: 0,
         chains: 128,
         mutations: 0,
-        direct_samples: 0,
+        direct_samples: ChainSettings::SOME,
         chain_length: 0,
         bidirectional_weight: 1.0,
         lens_weight: 1.0,
@@ -118,6 +121,16 @@ impl ChainSettings {
 
     /// Fewest mutations of a group: enough for its chains to be long and its start-up to be cheap.
     const LEAST: u32 = 1 << 20;
+
+    /// Samples per pixel of a group for direct illumination, for an image of so many pixels.
+    #[inline]
+    pub fn direct_samples_per_pixel(&self, pixels: u32) -> u32 {
+        if self.direct_samples == Self::SOME {
+            (self.mutations_per_pixel(pixels) / 8).max(1).min(16)
+        } else {
+            self.direct_samples
+        }
+    }
 
     /// Mutations per pixel of a group for an image of so many pixels.
     #[inline]

@@ -1,5 +1,6 @@
 //! Arguments that change how an algorithm estimates, whatever the scene says.
 
+use super::chain_args::ChainArgs;
 use super::photon_args::PhotonArgs;
 use crate::render::{Shape, shape};
 use crate::scene::build::Scene;
@@ -43,6 +44,9 @@ pub struct EstimatorArgs {
     /// Of photon mapping.
     #[command(flatten)]
     pub photons: PhotonArgs,
+    /// Of Markov chains.
+    #[command(flatten)]
+    pub chains: ChainArgs,
 }
 
 impl EstimatorArgs {
@@ -52,6 +56,7 @@ impl EstimatorArgs {
     /// If they are not of the algorithm that will run.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         self.photons.apply(scene)?;
+        self.chains.apply(scene)?;
         let is_used = self.heuristic.is_some() || self.strategies.is_some();
         if is_used && shape(scene.settings.kind) != Shape::Splats {
             return Err(

@@ -1,5 +1,6 @@
 //! The subcommands of `halflight`, one per file, and what they share.
 
+pub mod chain_args;
 pub mod compare;
 pub mod convergence;
 pub mod estimator_args;

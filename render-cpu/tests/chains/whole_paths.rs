@@ -20,6 +20,7 @@ fn chains([bidirectional, lens, caustic, multi_chain]: [f32; 4]) -> ChainSetting
         candidates: 2048,
         chains: 16,
         mutations: 128,
+        direct_samples: 0,
         bidirectional_weight: bidirectional,
         lens_weight: lens,
         caustic_weight: caustic,

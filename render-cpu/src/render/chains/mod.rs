@@ -88,7 +88,9 @@ pub fn render_groups<T: Traverse + Sync>(
     stop: &Stop<'_>,
 ) -> PassEnd {
     let own = &settings.chains;
-    let min_edges = if own.direct_samples > 0 { 3 } else { 1 };
+    let pixels = film.width() * film.height();
+    let direct = own.direct_samples_per_pixel(pixels);
+    let min_edges = if direct > 0 { 3 } else { 1 };
     let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
     let of_samples = (settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT).then(|| {
         let space = PrimarySpace::new(view, settings, own.technique, min_edges);
@@ -172,7 +174,8 @@ fn add_to_film<T: Traverse + Sync>(
 ) {
     let camera = &view.tables.camera;
     let needs_surface = film.aovs().needs_surface();
-    let direct = settings.chains.direct_samples;
+    let pixels = film.width() * film.height();
+    let direct = settings.chains.direct_samples_per_pixel(pixels);
     let direct_settings = IntegratorSettings {
         kind: integrator_kind::PATH,
         rules: PathRules {

@@ -21,7 +21,12 @@ pub(super) fn read_chains(object: &Object, chains: &mut ChainSettings) -> Result
         return Err(object.error("p_large is a probability"));
     }
     chains.candidates = object.get_int_in("luminance_samples", 0, 0, 1 << 30)? as u32;
-    chains.direct_samples = object.get_int_in("direct_samples", 0, -1, 1 << 20)?.max(0) as u32;
+    // Mitsuba 0.6: -1 leaves direct illumination to the chains.
+    chains.direct_samples = if object.has("direct_samples") {
+        object.get_int_in("direct_samples", 0, -1, 1 << 20)?.max(0) as u32
+    } else {
+        ChainSettings::SOME
+    };
     chains.chains = object.get_int_in("chains", 128, 1, 1 << 16)? as u32;
     chains.mutations = object.get_int_in("group_mutations", 0, 0, 1 << 20)? as u32;
     for (name, weight) in [

@@ -20,9 +20,13 @@ impl Owed {
         counts: impl Iterator<Item = u32> + Clone,
         complete: u32,
     ) -> (u32, Option<Owed>) {
-        let own = || counts.clone().filter(|&count| count >= complete);
-        let least = own().min().unwrap_or(complete);
-        let most = own().max().unwrap_or(complete);
+        // Once over the pixels, which may be many.
+        let own = counts.clone().filter(|&count| count >= complete);
+        let range = own.fold(None, |range, count| {
+            let (least, most) = range.unwrap_or((count, count));
+            Some((count.min(least), count.max(most)))
+        });
+        let (least, most) = range.unwrap_or((complete, complete));
         let owed = (most > least).then(|| Owed {
             per_pixel: most - least,
             counts: counts

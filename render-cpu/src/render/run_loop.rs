@@ -59,6 +59,7 @@ pub fn render_with(
     let start = Instant::now();
     let seconds_before = state.seconds;
     let mut seconds_per_sample = None;
+    let mut samples_before = film.total_samples();
     let deadline = match options.goal {
         Goal::Time(limit) => start.checked_add(limit),
         Goal::Samples(_) => None,
@@ -104,7 +105,6 @@ pub fn render_with(
                 (pass_size(seconds_per_sample, budget).min(left), None)
             }
         };
-        let samples_before = film.total_samples();
         let targets = options.adaptive.then(|| targets(film, counts.as_deref()));
         let pass_start = Instant::now();
         let pass = backend.pass(film, per_pixel, counts.as_deref(), &stop_pass);
@@ -125,7 +125,9 @@ pub fn render_with(
             }
             _ => {}
         }
-        let taken = film.total_samples() - samples_before;
+        let samples_after = film.total_samples();
+        let taken = samples_after - samples_before;
+        samples_before = samples_after;
         if taken > 0 {
             state.passes += 1;
             let per_pixel = taken as f64 / film.statistics().len() as f64;

@@ -15,9 +15,9 @@ pub mod integrator_kind {
     pub const DIRECT: u32 = 1;
     /// Ambient occlusion ([`crate::transport::ambient_occlusion`]).
     pub const AMBIENT_OCCLUSION: u32 = 2;
-    /// Bidirectional path tracing (`transport/bidirectional.rs`).
+    /// Bidirectional path tracing (`transport/bidirectional/`).
     pub const BIDIRECTIONAL: u32 = 3;
-    /// Light tracing (`transport/bidirectional.rs` without camera subpaths).
+    /// Light tracing (`transport/bidirectional/` without camera subpaths).
     pub const LIGHT_TRACING: u32 = 4;
     /// Metropolis chains in the space of primary samples (`transport/markov`).
     pub const PRIMARY_SAMPLE_MLT: u32 = 8;

@@ -1,33 +1,17 @@
-//! Bidirectional path tracing and light tracing (Veach 1997, chapter 10; Lafortune and Willems 1993).
-//!
-//! Each sample of a pixel traces one walk from an emitter and one through the pixel. Every vertex of the one is connected to
-//! every vertex of the other, to the lens and to an emitter point, and what the walks meet by chance counts too; weights
-//! combine all strategies that can make the same path:
-//!
-//! ```text
-//! I_j = sum_(s,t) w_(s,t) C_(s,t) / p_(s,t),   sum_s w_(s, k+1-s) = 1
-//! ```
-//!
-//! Strategies with t < 2 splat light anywhere on the film. Light tracing is the part with t = 1, unweighted.
-//!
-//! The bounces are steps of [`Walk`]s whose rays somebody else traces: [`sample`] one by one, a front end those of many
-//! samples together. Random numbers come from two streams, one for each walk and the connections of its vertices, so that the
-//! length of one walk does not shift the numbers of the other.
-//! Invariants (tests): the mean is that of path tracing; weights of all strategies of a path sum to one.
+//! The bounces of walks from both ends, and what is connected there.
 
-use super::photon::merging::merging_share;
-use super::settings::{IntegratorSettings, integrator_kind};
 use crate::bsdf::{Bsdf, mode};
-use crate::math::{Ray, Rgb, vec3};
+use crate::math::{Rgb, vec3};
 use crate::path::rules::step;
-use crate::path::visibility::contribution_transmittance;
 use crate::path::{
     Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, Strategies, Walk,
 };
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
 use crate::scene::surface::{detail, surface_with};
-use crate::scene::{Hit, NONE, SceneView, Tables, Traverse, camera_kind};
+use crate::scene::{Hit, NONE, Tables, camera_kind};
+use crate::transport::photon::merging::merging_share;
+use crate::transport::settings::{IntegratorSettings, integrator_kind};
 use glam::{Vec2, Vec3};
 
 /// Where the vertices of light walks are kept.
@@ -266,77 +250,5 @@ impl<'a> Bidirectional<'a> {
         let h = connector.strategies.heuristic;
         let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
         (found, next)
-    }
-}
-
-/// One sample: `add` takes what each strategy finds, nothing where it lies in shadow, splats and what belongs to the pixel of
-/// `ray` ([`Contribution::is_splat`]), the latter without a film position.
-pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    light_sampler: &mut S,
-    camera_sampler: &mut S,
-    ray: &Ray,
-    store: &mut V,
-    mut add: impl FnMut(Contribution),
-) {
-    let algorithm = Bidirectional::new(&view.tables, settings);
-    let rules = settings.rules;
-    // Not one closure over `add`, which what a camera walk meets itself needs as well.
-    let unshadowed = |mut contribution: Contribution| {
-        contribution.value *= contribution_transmittance(view, &rules, &contribution);
-        contribution
-    };
-    let mut bsdf = Bsdf::BLACK;
-    let mut light_bsdf = Bsdf::BLACK;
-    let mut last = NONE;
-    let start = algorithm.emit(light_sampler);
-    if start.is_some() && rules.max_depth > 0 {
-        let own = algorithm.start(&start, light_sampler);
-        if own.is_some() {
-            add(unshadowed(own));
-        }
-        let mut walk = Walk::from_emitter(&start);
-        let mut next = step::TRACE;
-        while next == step::TRACE {
-            light_sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
-            let hit = view.traverse.closest_hit(&walk.subpath.ray);
-            next = algorithm.light_bounce(
-                &mut walk,
-                light_sampler,
-                &hit,
-                &mut bsdf,
-                store,
-                &mut last,
-                |contribution| add(unshadowed(contribution)),
-            );
-        }
-    }
-    if !algorithm.has_camera_walks || rules.max_depth == 0 {
-        return;
-    }
-    let mut walk = Walk::from_sensor(ray);
-    let mut next = step::TRACE;
-    while next == step::TRACE {
-        camera_sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
-        let hit = view.traverse.closest_hit(&walk.subpath.ray);
-        let t = walk.subpath.depth + 2;
-        let (found, after) = algorithm.camera_bounce(
-            &mut walk,
-            camera_sampler,
-            &hit,
-            &mut bsdf,
-            &mut light_bsdf,
-            store,
-            last,
-            &start,
-            |contribution| add(unshadowed(contribution)),
-        );
-        add(Contribution {
-            value: found,
-            t,
-            ..Contribution::NONE
-        });
-        next = after;
     }
 }

@@ -14,13 +14,15 @@
 //! - [`evaluation`]: BSDF values and densities at a vertex, in both directions of transport;
 //! - [`strategies`]: which sampling strategies exist and enter the weights;
 //! - [`weight`]: the balance and power heuristics, and the recursion that evaluates them;
-//! - [`connection`]: emission that is hit, next event estimation, connections to the lens and between subpaths;
+//! - [`connection`]: emission that is hit, next event estimation, connections between subpaths;
+//! - [`lens`]: connections to the lens, and walks that hit it;
 //! - [`contribution`]: what a strategy returns;
 //! - [`visibility`]: transmittance along a segment.
 
 pub mod connection;
 pub mod contribution;
 pub mod evaluation;
+pub mod lens;
 pub mod rules;
 pub mod strategies;
 pub mod subpath;

@@ -5,6 +5,7 @@
 use crate::path::rules::PathRules;
 use crate::scene::NONE;
 use crate::transport::photon::schedule::OPTIMAL_ALPHA;
+use crate::transport::photon::statistics;
 use bytemuck::{Pod, Zeroable};
 
 /// Which algorithm makes the image.
@@ -27,6 +28,8 @@ pub mod integrator_kind {
     pub const PROGRESSIVE_PHOTONS: u32 = 16;
     /// Vertex connection and merging, or vertex merging alone (`transport/photon/merging.rs`).
     pub const VERTEX_MERGING: u32 = 17;
+    /// Adaptive progressive photon mapping (`transport/photon/adaptive.rs`).
+    pub const ADAPTIVE_PHOTONS: u32 = 18;
 }
 
 /// How an algorithm renders: what all share, and the blocks of each.
@@ -176,6 +179,10 @@ pub struct PhotonSettings {
     pub gather_roughness: f32,
     /// 1 if vertex merging goes with connections, 0 if it is alone.
     pub connections: u32,
+    /// Least radius of adaptive photon mapping, over that of the scene.
+    pub least_radius: f32,
+    /// Largest radius of adaptive photon mapping, over that of the scene.
+    pub largest_radius: f32,
 }
 
 impl PhotonSettings {
@@ -186,6 +193,9 @@ impl PhotonSettings {
         initial_radius: 0.0,
         gather_roughness: 0.15,
         connections: 1,
+        least_radius: statistics::LEAST_RADIUS,
+        // Half of the thesis's: the first passes of larger ones take long, and their bias lasts.
+        largest_radius: 0.5 * statistics::LARGEST_RADIUS,
     };
 }
 

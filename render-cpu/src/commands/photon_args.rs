@@ -23,8 +23,13 @@ impl PhotonArgs {
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         let is_used = self.photons.is_some() || self.radius.is_some();
         let kind = scene.settings.kind;
-        let has_photons =
-            kind == integrator_kind::PROGRESSIVE_PHOTONS || kind == integrator_kind::VERTEX_MERGING;
+        let is_adaptive = kind == integrator_kind::ADAPTIVE_PHOTONS;
+        if is_adaptive && self.radius.is_some() {
+            return Err("--radius is not for appm, whose pixels find their own radii".to_string());
+        }
+        let has_photons = is_adaptive
+            || kind == integrator_kind::PROGRESSIVE_PHOTONS
+            || kind == integrator_kind::VERTEX_MERGING;
         if is_used && !has_photons {
             return Err(
                 "--photons and --radius are for photon mapping (--integrator sppm or vcm)"

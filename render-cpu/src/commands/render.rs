@@ -5,10 +5,11 @@ use super::render_observer::RunObserver;
 use super::scene_args::build_accel;
 use crate::accel::Accel;
 use crate::film::Film;
+use crate::film::aov::Aov;
 use crate::processor::set_threads;
 use crate::render::progress::ProgressReport;
 use crate::render::{
-    MutationsPerPixel, Observer, Outcome, RenderOptions, RunState, Shape, render, shape,
+    MutationsPerPixel, Observer, Outcome, RenderOptions, RunState, Shape, own_layers, render, shape,
 };
 use crate::say::print_line;
 use crate::scene::build::Scene;
@@ -72,6 +73,11 @@ pub fn run_with(
     let start = Instant::now();
     let mut scene = args.scene.load()?;
     args.estimator.apply(&mut scene)?;
+    if args.asked_layers(&scene).contains(Aov::Bandwidth)
+        && !own_layers(scene.settings.kind).contains(Aov::Bandwidth)
+    {
+        return Err("the layer bandwidth is of adaptive photon mapping (--integrator appm)".into());
+    }
     if args.adaptive && shape(scene.settings.kind) != Shape::Pixels {
         return Err(
             "--adaptive needs pixels that share no light: it is for path, direct and ao".into(),

@@ -7,7 +7,7 @@ use super::render_values::{
 use super::scene_args::SceneArgs;
 use crate::film::aov::{Aov, AovSet};
 use crate::image::png_output::Exposure;
-use crate::render::{Goal, RenderOptions};
+use crate::render::{Goal, RenderOptions, own_layers};
 use crate::scene::build::Scene;
 use clap::Args;
 use std::path::PathBuf;
@@ -94,7 +94,8 @@ pub struct RenderArgs {
 impl RenderArgs {
     /// The layers of the image: those that are asked for, here or in the scene, and the number of samples.
     pub(super) fn layers(&self, scene: &Scene) -> AovSet {
-        self.asked_layers(scene).with(Aov::Samples)
+        let own = own_layers(scene.settings.kind);
+        self.asked_layers(scene).union(own).with(Aov::Samples)
     }
 
     /// The layers that are asked for, here or in the scene.

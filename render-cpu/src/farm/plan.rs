@@ -16,7 +16,7 @@ use crate::film::aov::{Aov, AovSet};
 use crate::film::checkpoint::{Settings, settings_differences};
 use crate::image::metadata::SampleRange;
 use crate::render::record::{FIRST_SAMPLE, SEED, run_settings, sampler_name};
-use crate::render::{Goal, RenderOptions, Shape, shape};
+use crate::render::{Goal, RenderOptions, Shape, own_layers, shape};
 use crate::scene::build::{BuildOptions, Crop, FilmOverride, Scene, build_scene};
 use crate::scene::xml::parse_scene;
 use serde::{Deserialize, Serialize};
@@ -184,6 +184,12 @@ impl Plan {
         if request.division == Division::Seeds && seed.checked_add(tasks - 1).is_none() {
             return wrong(format!(
                 "seeds from {seed} on are not enough for {tasks} tasks"
+            ));
+        }
+        if tasks > 1 && !own_layers(built.settings.kind).is_empty() {
+            return wrong(format!(
+                "each pass of {} takes its radii from all before it, so that tasks cannot share them",
+                built.integrator
             ));
         }
         if request.division == Division::Pixels {

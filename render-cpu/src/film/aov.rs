@@ -6,6 +6,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+/// Numbers that [`Aov::Bandwidth`] keeps of a pixel: the bandwidth, and the statistics that it comes from.
+pub const BANDWIDTH_NUMBERS: usize = 9;
+
 /// One output variable beside radiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
@@ -26,11 +29,13 @@ pub enum Aov {
     Variance,
     /// Number of samples of the pixel.
     Samples,
+    /// Radius of the pixel's next density estimate, in scene units: of adaptive photon mapping, whose statistics are kept with it.
+    Bandwidth,
 }
 
 impl Aov {
     /// Every output variable, in the order of the accumulators.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Albedo,
         Self::Normal,
         Self::Depth,
@@ -39,6 +44,7 @@ impl Aov {
         Self::Alpha,
         Self::Variance,
         Self::Samples,
+        Self::Bandwidth,
     ];
 
     /// Name on the command line and of the EXR layer.
@@ -52,6 +58,7 @@ impl Aov {
             Self::Alpha => "alpha",
             Self::Variance => "variance",
             Self::Samples => "samples",
+            Self::Bandwidth => "bandwidth",
         }
     }
 
@@ -62,7 +69,7 @@ impl Aov {
             Self::Normal | Self::Position => &["X", "Y", "Z"],
             Self::Depth => &["Z"],
             Self::Uv => &["U", "V"],
-            Self::Alpha | Self::Samples => &[],
+            Self::Alpha | Self::Samples | Self::Bandwidth => &[],
         }
     }
 
@@ -71,6 +78,7 @@ impl Aov {
         match self {
             Self::Alpha => Some("A"),
             Self::Samples => Some("samples"),
+            Self::Bandwidth => Some("bandwidth"),
             _ => None,
         }
     }
@@ -82,10 +90,11 @@ impl Aov {
             Self::Uv => 2,
             Self::Depth | Self::Alpha => 1,
             Self::Variance | Self::Samples => 0,
+            Self::Bandwidth => BANDWIDTH_NUMBERS,
         }
     }
 
-    const fn bit(self) -> u8 {
+    const fn bit(self) -> u16 {
         1 << self as u8
     }
 }
@@ -99,7 +108,7 @@ impl fmt::Display for Aov {
 /// A name that is no output variable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, alpha, variance, samples, or all)"
+    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, alpha, variance, samples, bandwidth, or all)"
 )]
 pub struct UnknownAov(pub String);
 
@@ -116,19 +125,24 @@ impl FromStr for Aov {
 
 /// A set of output variables.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct AovSet(u8);
+pub struct AovSet(u16);
 
 impl AovSet {
     /// No variable: radiance alone.
     pub const NONE: Self = Self(0);
+
+    /// Whether the set holds nothing.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
 
     /// Whether the set holds `aov`.
     pub const fn contains(self, aov: Aov) -> bool {
         self.0 & aov.bit() != 0
     }
 
-    /// Every variable.
-    pub const ALL: Self = Self(u8::MAX);
+    /// Every variable that any algorithm has: all but the state of one.
+    pub const ALL: Self = Self(Aov::Bandwidth.bit() - 1);
 
     /// The variables of both sets.
     #[must_use]
@@ -149,7 +163,7 @@ impl AovSet {
 
     /// Whether a front end has to compute surface features for the film at all.
     pub const fn needs_surface(self) -> bool {
-        self.accumulators() > 0
+        self.offset(Aov::Bandwidth) > 0
     }
 
     /// Numbers accumulated per pixel.

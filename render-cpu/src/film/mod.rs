@@ -260,6 +260,10 @@ impl Film {
         match aov {
             Aov::Variance => statistics.variance_of_mean()[channel],
             Aov::Samples => f64::from(statistics.count),
+            // What is kept for the next pass is no sum over samples.
+            Aov::Bandwidth if self.aovs.contains(aov) => {
+                self.aov_sums[pixel * self.aovs.accumulators() + self.aovs.offset(aov)]
+            }
             _ if !self.aovs.contains(aov) || statistics.count == 0 => 0.0,
             _ => {
                 self.aov_sums[pixel * self.aovs.accumulators() + self.aovs.offset(aov) + channel]

@@ -1,7 +1,7 @@
 //! Parts of a film that one thread works on: a pixel, a rectangle of pixels.
 
 use super::PixelStatistics;
-use super::aov::{Aov, AovSample, AovSet};
+use super::aov::{Aov, AovSample, AovSet, BANDWIDTH_NUMBERS};
 use glam::Vec3;
 
 /// A sample whose largest component is brought down to `clamp`, its colour kept. What is not finite stays so.
@@ -42,6 +42,14 @@ impl PixelMut<'_> {
         *self.statistics = statistics;
     }
 
+    /// What [`Aov::Bandwidth`] keeps of the pixel, if the film has it.
+    pub fn bandwidth_numbers(&mut self) -> Option<&mut [f64]> {
+        let start = self.aovs.offset(Aov::Bandwidth);
+        self.aovs
+            .contains(Aov::Bandwidth)
+            .then(|| &mut self.aov_sums[start..start + BANDWIDTH_NUMBERS])
+    }
+
     /// Adds the surface features of one sample; call it once per [`Self::add_sample`] if
     /// [`AovSet::needs_surface`]. Features that are not finite count as zero.
     pub fn add_aovs(&mut self, sample: &AovSample) {
@@ -55,7 +63,8 @@ impl PixelMut<'_> {
                 Aov::Uv => &sample.uv,
                 Aov::Alpha if sample.depth > 0.0 => &[1.0],
                 Aov::Alpha => &[0.0],
-                Aov::Variance | Aov::Samples => &[],
+                // The last of all, and no feature of the surface.
+                Aov::Variance | Aov::Samples | Aov::Bandwidth => &[],
             };
             for &value in values {
                 if value.is_finite() {

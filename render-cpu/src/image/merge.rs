@@ -98,6 +98,7 @@ impl Merger {
         let metadata = metadata(name, image)?;
         let window = window(image);
         self.check_identity(name, image, &metadata)?;
+        self.check_passes(name, &metadata)?;
         self.check_samples(name, &metadata, window)?;
         let union = self.window.union(&window);
         let union = union.ok_or_else(|| MergeError::TooLarge {
@@ -319,6 +320,22 @@ impl Merger {
         }
         self.warnings
             .extend(differences.map(|error| error.to_string()));
+        Ok(())
+    }
+
+    /// Radii of adaptive photon mapping follow from all passes before.
+    fn check_passes(&mut self, name: &str, metadata: &ImageMetadata) -> Result<(), MergeError> {
+        if metadata.integrator != "appm" {
+            return Ok(());
+        }
+        let error = MergeError::DependentPasses {
+            name: name.to_owned(),
+            integrator: metadata.integrator.clone(),
+        };
+        if !self.force {
+            return Err(error);
+        }
+        self.warnings.push(error.to_string());
         Ok(())
     }
 

@@ -49,6 +49,16 @@ pub enum MergeError {
         /// The range that both hold a part of.
         range: String,
     },
+    /// The passes of an image depend on each other.
+    #[error(
+        "{name}: each pass of {integrator} takes its radii from all before it, so that images of different passes are not shares of one image"
+    )]
+    DependentPasses {
+        /// The image.
+        name: String,
+        /// Its algorithm.
+        integrator: String,
+    },
     /// A layer that merging needs is not there.
     #[error("{name}: merging needs the layer \"{layer}\"")]
     MissingLayer {

@@ -5,7 +5,7 @@ use super::chains::render_groups;
 use super::options::{Outcome, RenderOptions, RunState};
 use super::passes::render_passes;
 use super::run_loop::{NoObserver, Observer, render_with};
-use super::shape::{Shape, shape};
+use super::shape::{Shape, own_layers, shape};
 use super::splatting::render_layers;
 use super::stop::Stop;
 use super::tile_job::{TileJob, Workspace};
@@ -36,6 +36,9 @@ pub fn render_film(
 ) -> Result<Film, FilmError> {
     let camera = &scene.tables.camera;
     let [width, height] = camera.crop_size;
+    let aovs = own_layers(scene.settings.kind)
+        .iter()
+        .fold(aovs, AovSet::with);
     let mut film = Film::new(width, height, camera.crop_offset, aovs)?;
     let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
     let mut state = RunState::default();
@@ -111,6 +114,13 @@ impl Backend for CpuBackend<'_> {
                 return Err(
                     "samples cannot go where the error is when pixels share their light".into(),
                 );
+            }
+            Shape::Passes
+                if own_layers(settings.kind)
+                    .iter()
+                    .any(|aov| !film.aovs().contains(aov)) =>
+            {
+                return Err("the film has no layer for the statistics of photons".into());
             }
             Shape::Passes if is_sobol => {
                 let new = SobolSampler::new;

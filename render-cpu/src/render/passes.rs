@@ -7,7 +7,8 @@
 use super::backend::PassEnd;
 use super::bidirectional_job::TileSamples;
 use super::options::RenderOptions;
-use super::photon_pass::{Idle, PhotonPass};
+use super::photon_pass::{Idle, PhotonTask};
+use super::photon_statistics::{PixelStatistics, keep, statistics_of};
 use super::splatting::{pixel, tile_samples, tiles};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
@@ -15,9 +16,11 @@ use crate::film::Film;
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::photon::adaptive::{AdaptiveRadii, next_radii};
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::{Progressive, pass_radius};
+use halflight_kernel::transport::photon::statistics::PhotonPass;
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 /// Side of the square of pixels whose camera walks are traced together.
@@ -73,7 +76,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
     ) -> Option<()> {
         let (view, settings) = (self.view, self.settings);
         let algorithm = Progressive::new(&view.tables, settings);
-        let photons = PhotonPass {
+        let photons = PhotonTask {
             view,
             tracer: algorithm.tracer(),
             emitted: settings.photon.photon_count,
@@ -86,29 +89,52 @@ impl<T: Traverse + Sync> Pass<'_, T> {
             radius: pass_radius(&view.tables, settings, self.index),
             emitted: settings.photon.photon_count,
         };
-        let taken: Option<Vec<TileSamples>> = tiles(film, TILE)
+        let is_adaptive = settings.kind == integrator_kind::ADAPTIVE_PHOTONS;
+        let statistics = PixelStatistics::new(film);
+        let taken: Option<Vec<(TileSamples, Vec<PhotonPass>)>> = tiles(film, TILE)
             .into_par_iter()
             .map(|tile| {
                 if self.stop.is_urgent() {
                     return None;
                 }
                 let mut samples = tile_samples(view, self.seed, self.index, tile, new);
-                let mut out = TileSamples::default();
-                self.idle.with(|workspace| {
-                    workspace.gather(view, settings, &algorithm, &photons, &mut samples, &mut out);
+                let radii: Option<Vec<AdaptiveRadii>> = is_adaptive.then(|| {
+                    let of_tile = statistics.of_tile(tile);
+                    let own = &settings.photon;
+                    of_tile.map(|s| next_radii(&view.tables, own, &s)).collect()
                 });
-                Some(out)
+                let mut out = TileSamples::default();
+                let sums = self.idle.with(|workspace| {
+                    workspace.gather(
+                        view,
+                        settings,
+                        &algorithm,
+                        &photons,
+                        radii.as_deref(),
+                        &mut samples,
+                        &mut out,
+                    )
+                });
+                Some((out, sums))
             })
             .collect();
         let taken = taken?;
         let needs_surface = film.aovs().needs_surface();
         let tiles = film.tiles_mut(TILE).into_par_iter().zip(taken);
-        tiles.for_each(|(mut tile, samples)| {
+        tiles.for_each(|(mut tile, (samples, sums))| {
             for (i, radiance) in samples.radiance.iter().enumerate() {
                 let (i, width) = (i as u32, tile.width());
                 let (x, y) = (tile.x() + i % width, tile.y() + i / width);
                 let mut entry = tile.pixel_mut(x, y);
                 entry.add_sample(*radiance);
+                if let (Some(sums), Some(numbers)) =
+                    (sums.get(i as usize), entry.bandwidth_numbers())
+                {
+                    let mut statistics = statistics_of(numbers);
+                    statistics.update(sums, photons.emitted as f32);
+                    let next = next_radii(&view.tables, &settings.photon, &statistics);
+                    keep(numbers, &statistics, next.radius);
+                }
                 if needs_surface {
                     let (position, index) = pixel(view, x, y);
                     let sampler = new(self.seed, index, self.index);

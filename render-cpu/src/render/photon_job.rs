@@ -11,8 +11,10 @@ use halflight_kernel::path::Walk;
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::photon::adaptive::{self, AdaptiveRadii};
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::Progressive;
+use halflight_kernel::transport::photon::statistics::PhotonPass;
 use halflight_kernel::transport::photon::tracing::PhotonTracer;
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
@@ -60,27 +62,28 @@ impl PhotonWorkspace {
         list
     }
 
-    /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held.
+    /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held. With `radii` of each, returns what
+    /// their statistics learn.
     pub fn gather<T: Traverse, S: LaneSampler>(
         &mut self,
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
         algorithm: &Progressive<'_>,
         photons: &PassPhotons<'_>,
+        radii: Option<&[AdaptiveRadii]>,
         samples: &mut [TileSample<S>],
         out: &mut TileSamples,
-    ) {
+    ) -> Vec<PhotonPass> {
         out.radiance.clear();
         out.radiance.resize(samples.len(), Vec3::ZERO);
         out.splats.clear();
-        if settings.rules.max_depth == 0 {
-            return;
-        }
         self.walks.clear();
         self.weights.clear();
+        let mut sums = vec![PhotonPass::default(); radii.map_or(0, <[_]>::len)];
         for sample in samples.iter_mut() {
             let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
-            self.walks.push(Walk::from_sensor(&seen.ray), true);
+            self.walks
+                .push(Walk::from_sensor(&seen.ray), settings.rules.max_depth > 0);
             self.weights.push(seen.weight);
         }
         while !self.walks.is_done() {
@@ -91,9 +94,21 @@ impl PhotonWorkspace {
                     &mut samples[i].camera,
                     hit,
                     bsdf,
-                    &photons.cache,
-                    photons.radius,
                     photons.emitted,
+                    |walk, at, only_unfound| match radii {
+                        Some(radii) => adaptive::gather(
+                            &algorithm.connector,
+                            walk,
+                            at,
+                            &photons.cache,
+                            radii[i],
+                            only_unfound,
+                            &mut sums[i],
+                        ),
+                        None => {
+                            algorithm.gather(walk, at, &photons.cache, photons.radius, only_unfound)
+                        }
+                    },
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
                 );
                 out.radiance[i] += found;
@@ -104,5 +119,6 @@ impl PhotonWorkspace {
         for (radiance, weight) in out.radiance.iter_mut().zip(&self.weights) {
             *radiance *= *weight;
         }
+        sums
     }
 }

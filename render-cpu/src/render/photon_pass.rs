@@ -33,8 +33,8 @@ impl Idle {
     }
 }
 
-/// The photons of a pass.
-pub(super) struct PhotonPass<'a, T: Traverse> {
+/// The tracing of the photons of a pass.
+pub(super) struct PhotonTask<'a, T: Traverse> {
     /// The scene.
     pub view: &'a SceneView<'a, T>,
     /// What leaves them.
@@ -47,7 +47,7 @@ pub(super) struct PhotonPass<'a, T: Traverse> {
     pub index: u32,
 }
 
-impl<T: Traverse + Sync> PhotonPass<'_, T> {
+impl<T: Traverse + Sync> PhotonTask<'_, T> {
     /// Traces and sorts them; nothing if it is to stop. The numbers of the light walks are one sequence, so that a sampler with
     /// well-spread points spreads the photons of a pass.
     pub fn trace<S: LaneSampler + Send>(

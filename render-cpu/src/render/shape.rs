@@ -1,5 +1,6 @@
 //! The shapes of algorithms: which driver takes the samples of each kind of integrator.
 
+use crate::film::aov::{Aov, AovSet};
 use halflight_kernel::transport::integrator_kind;
 
 /// How an algorithm's samples are driven.
@@ -21,8 +22,17 @@ pub fn shape(kind: u32) -> Shape {
         integrator_kind::BIDIRECTIONAL
         | integrator_kind::LIGHT_TRACING
         | integrator_kind::VERTEX_MERGING => Shape::Splats,
-        integrator_kind::PROGRESSIVE_PHOTONS => Shape::Passes,
+        integrator_kind::PROGRESSIVE_PHOTONS | integrator_kind::ADAPTIVE_PHOTONS => Shape::Passes,
         integrator_kind::PRIMARY_SAMPLE_MLT | integrator_kind::VEACH_MLT => Shape::Chains,
         _ => Shape::Pixels,
+    }
+}
+
+/// Layers that a film must have for a kind of integrator, because they hold its state.
+pub fn own_layers(kind: u32) -> AovSet {
+    if kind == integrator_kind::ADAPTIVE_PHOTONS {
+        AovSet::NONE.with(Aov::Bandwidth)
+    } else {
+        AovSet::NONE
     }
 }

@@ -11,7 +11,7 @@ use super::backend::PassEnd;
 use super::bidirectional_job::{BidirectionalWorkspace, TileSample, TileSamples};
 use super::options::RenderOptions;
 use super::photon_cache::SortedPhotons;
-use super::photon_pass::{Idle, PhotonPass};
+use super::photon_pass::{Idle, PhotonTask};
 use super::splat::{Splat, SplatFilter};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
@@ -145,7 +145,7 @@ fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     let emitted = settings.photon.photon_count;
     let radius = pass_radius(&view.tables, settings, layer);
     let algorithm = Bidirectional::new(&view.tables, settings).merging(radius, emitted);
-    let photons = PhotonPass {
+    let photons = PhotonTask {
         view,
         tracer: merging_tracer(&algorithm.connector),
         emitted,

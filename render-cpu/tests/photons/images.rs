@@ -54,8 +54,13 @@ fn light_by_way_of_a_mirror_is_that_of_its_image() {
             &(floor(material) + IMAGE_OF_LIGHT),
         );
         let expected = film(&known, 1, 0, 256).mean();
-        let photons = [depth, ("photon_count", 200_000.0), ("initial_radius", 0.06)];
-        for plugin in ["sppm", "vcm", "vm"] {
+        let photons = [
+            depth,
+            ("photon_count", 200_000.0),
+            ("initial_radius", 0.06),
+            ("max_radius", 0.02),
+        ];
+        for plugin in ["sppm", "appm", "vcm", "vm"] {
             let mirrored = scene(&integrator(plugin, &photons), &(floor(material) + MIRROR));
             expect_pixels(
                 &format!("{plugin}, {name}"),
@@ -116,6 +121,7 @@ fn mean_is_that_of_path_tracing() {
         ("sppm", 0.5),
         ("vcm", 0.0),
         ("vm", 0.0),
+        ("appm", 0.15),
     ];
     for (plugin, gather_roughness) in algorithms {
         let properties = [
@@ -123,6 +129,7 @@ fn mean_is_that_of_path_tracing() {
             ("photon_count", 40_000.0),
             ("initial_radius", 0.03),
             ("gather_roughness", gather_roughness),
+            ("max_radius", 0.02),
         ];
         let scene = scene(&integrator(plugin, &properties), &room());
         let (found, noise) = mean(&scene, 3, 8, 16);

@@ -2,6 +2,11 @@
 
 use crate::scenes::{add_passes, film, integrator, scene};
 use halflight::film::Film;
+use halflight::film::aov::Aov;
+use halflight::image::exr_output::{LayeredImage, write_exr};
+use halflight::image::merge::Merger;
+use halflight::image::metadata::{ImageMetadata, SampleRange};
+use halflight::image::read_exr;
 
 const CONTENT: &str = r#"<sensor type="perspective"><float name="fov" value="50"/>
     <transform name="to_world"><lookat origin="0, 1, 3" target="0, 0.5, 0" up="0, 1, 0"/></transform>
@@ -31,6 +36,7 @@ fn any_number_of_threads_and_any_cut_give_the_same_bits() {
     for (plugin, sampler) in [
         ("sppm", "independent"),
         ("sppm", "sobol"),
+        ("appm", "independent"),
         ("vcm", "independent"),
         ("vm", "sobol"),
     ] {
@@ -50,6 +56,13 @@ fn any_number_of_threads_and_any_cut_give_the_same_bits() {
         let mut cut = with_threads(2, 2);
         add_passes(&scene, &mut cut, 5, 0, 4);
         assert_eq!(bits(&cut), bits(&whole));
+        if plugin == "appm" {
+            // The bandwidths are part of what is kept.
+            assert_eq!(cut, whole);
+            let bandwidth = whole.aov_mean(Aov::Bandwidth, 0, 700);
+            assert!(bandwidth > 0.0, "{bandwidth}");
+            continue;
+        }
         // Runs of different passes merge to the mean of all.
         let mut shares = film(&scene, 5, 0, 2);
         shares.merge(&film(&scene, 5, 2, 4));
@@ -59,4 +72,44 @@ fn any_number_of_threads_and_any_cut_give_the_same_bits() {
             }
         }
     }
+}
+
+/// Images whose passes depend on each other are not merged, and the reason is said.
+#[test]
+fn adaptive_images_are_not_merged() {
+    let scene = scene(&integrator("appm", &[("photon_count", 2000.0)]), CONTENT);
+    let folder = tempfile::tempdir().unwrap();
+    let image = |from: u32| {
+        let film = film(&scene, 5, from, 2);
+        let metadata = ImageMetadata {
+            scene: "test.xml".into(),
+            integrator: scene.integrator.clone(),
+            sample_ranges: vec![SampleRange {
+                seed: 5,
+                from,
+                to: from + 2,
+            }],
+            samples_per_pixel: Some(2),
+            ..ImageMetadata::default()
+        };
+        let path = folder.path().join(format!("{from}.exr"));
+        write_exr(
+            &path,
+            &LayeredImage::from_film(&film, [40, 35], metadata),
+            false,
+        )
+        .unwrap();
+        read_exr(&path).unwrap()
+    };
+    let (first, second) = (image(0), image(2));
+    assert!(first.channel("bandwidth").unwrap().iter().any(|r| *r > 0.0));
+    let mut merger = Merger::new("first.exr", &first, false).unwrap();
+    let error = merger.add("second.exr", &second).unwrap_err().to_string();
+    assert!(
+        error.contains("second.exr") && error.contains("radii"),
+        "{error}"
+    );
+    let mut merger = Merger::new("first.exr", &first, true).unwrap();
+    merger.add("second.exr", &second).unwrap();
+    assert!(merger.warnings().iter().any(|w| w.contains("radii")));
 }

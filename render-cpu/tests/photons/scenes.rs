@@ -2,8 +2,7 @@
 
 use halflight::accel::Accel;
 use halflight::film::Film;
-use halflight::film::aov::AovSet;
-use halflight::render::{Goal, NoObserver, RenderOptions, RunState, render};
+use halflight::render::{Goal, NoObserver, RenderOptions, RunState, own_layers, render};
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
 use std::path::Path;
@@ -62,7 +61,8 @@ pub fn add_passes(scene: &Scene, film: &mut Film, seed: u32, first: u32, count: 
 /// A film of some passes.
 pub fn film(scene: &Scene, seed: u32, first: u32, count: u32) -> Film {
     let [width, height] = scene.tables.camera.crop_size;
-    let mut film = Film::new(width, height, [0; 2], AovSet::NONE).expect("a film");
+    let layers = own_layers(scene.settings.kind);
+    let mut film = Film::new(width, height, [0; 2], layers).expect("a film");
     add_passes(scene, &mut film, seed, first, count);
     film
 }

@@ -7,12 +7,14 @@
 //! | [`estimate`] | the density estimate at a vertex |
 //! | [`merging`] | vertex merging |
 //! | [`progressive`] | progressive photon mapping |
+//! | [`adaptive`] | a radius for each pixel |
 //! | [`schedule`] | radii that shrink by a fixed rule |
 //! | [`statistics`] | a radius per pixel from its own statistics: bias, variance, Laplacian |
 //!
 //! psi, p_l and Delta I of the papers are contribution, density and Laplacian in [`statistics`]. The kernels are those of
 //! [`crate::regularize::mollifier`].
 
+pub mod adaptive;
 pub mod cache;
 pub mod estimate;
 pub mod merging;

@@ -99,7 +99,8 @@ impl<'a> Progressive<'a> {
         }
     }
 
-    /// One bounce of a camera walk among the photons of a pass of `emitted` light walks. `add` takes what may be shadowed;
+    /// One bounce of a camera walk among the photons of a pass of `emitted` light walks. `gather` sums those around a vertex, of
+    /// those alone that nothing else finds where it is told so, as [`Progressive::gather`] does; `add` takes what may be shadowed;
     /// what the walk found itself, and what it gathered, is returned with what is next, [`step::TRACE`] or [`step::END`].
     pub fn camera_bounce<S: Sampler>(
         &self,
@@ -107,9 +108,8 @@ impl<'a> Progressive<'a> {
         sampler: &mut S,
         hit: &Hit,
         bsdf: &mut Bsdf,
-        cache: &PhotonCache<'_>,
-        radius: f32,
         emitted: u32,
+        mut gather: impl FnMut(&Walk, &Interaction<'_>, bool) -> Rgb,
         mut add: impl FnMut(Contribution),
     ) -> (Rgb, u32) {
         let connector = &self.connector;
@@ -148,7 +148,7 @@ impl<'a> Progressive<'a> {
             if lit.is_some() {
                 add(lit);
             }
-            let sum = self.gather(walk, &at, cache, radius, !is_rough);
+            let sum = gather(walk, &at, !is_rough);
             found += walk.subpath.throughput * sum / emitted.max(1) as f32;
         }
         if is_rough && !bsdf.has_delta() {
@@ -165,7 +165,7 @@ impl<'a> Progressive<'a> {
     }
 
     /// Sum over the photons around a vertex: those alone that nothing else finds, if asked for.
-    fn gather(
+    pub fn gather(
         &self,
         walk: &Walk,
         at: &Interaction<'_>,

@@ -61,6 +61,22 @@ pub const INTEGRATORS: &[Integrator] = &[
         name: "erpt",
         about: "short chains of whole paths, many of them",
     },
+    Integrator {
+        name: "sppm",
+        about: "photons, radii by schedule",
+    },
+    Integrator {
+        name: "appm",
+        about: "photons, radii by statistics",
+    },
+    Integrator {
+        name: "vcm",
+        about: "paths from both ends, and photons",
+    },
+    Integrator {
+        name: "vm",
+        about: "photons at all vertices",
+    },
 ];
 
 /// The algorithm of a name.

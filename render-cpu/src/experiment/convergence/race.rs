@@ -6,10 +6,9 @@
 //! to about one sample per pixel. With a budget of samples the images depend on the seed alone.
 
 use crate::accel::Accel;
-use crate::film::aov::AovSet;
 use crate::film::{Film, FilmError};
 use crate::render::{
-    Goal, MutationsPerPixel, NoObserver, PassError, RenderOptions, RunState, render,
+    Goal, MutationsPerPixel, NoObserver, PassError, RenderOptions, RunState, own_layers, render,
 };
 use crate::scene::build::Scene;
 use cpu_time::ProcessTime;
@@ -61,7 +60,7 @@ impl Runner {
         let [width, height] = camera.crop_size;
         Ok(Runner {
             name,
-            film: Film::new(width, height, camera.crop_offset, AovSet::NONE)?,
+            film: Film::new(width, height, camera.crop_offset, own_layers(settings.kind))?,
             state: RunState::default(),
             seconds: 0.0,
             settings,

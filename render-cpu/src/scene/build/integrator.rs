@@ -74,6 +74,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         "bdpt" => integrator_kind::BIDIRECTIONAL,
         "ptracer" => integrator_kind::LIGHT_TRACING,
         "ppm" | "sppm" => integrator_kind::PROGRESSIVE_PHOTONS,
+        "appm" => integrator_kind::ADAPTIVE_PHOTONS,
         "vcm" | "vm" | "bpm" => integrator_kind::VERTEX_MERGING,
         "pssmlt" => integrator_kind::PRIMARY_SAMPLE_MLT,
         "mmlt" => {
@@ -88,7 +89,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         other if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
                 "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, pssmlt, mmlt, mlt, erpt, ppm, \
-                 sppm, vcm, vm and bpm"
+                 sppm, appm, vcm, vm and bpm"
             )));
         }
         other => {
@@ -124,6 +125,9 @@ fn read_photon_settings(object: &Object, photon: &mut PhotonSettings) -> Result<
     photon.photon_count = object.get_int_in("photon_count", count, 1, MAX_PHOTONS)? as u32;
     photon.alpha = object.get_float_in("alpha", photon.alpha.into(), 0.0, 1.0)? as f32;
     photon.initial_radius = object.get_float_in("initial_radius", 0.0, 0.0, 1e30)? as f32;
+    let (least, largest) = (photon.least_radius.into(), photon.largest_radius.into());
+    photon.least_radius = object.get_float_in("min_radius", least, 0.0, 1.0)? as f32;
+    photon.largest_radius = object.get_float_in("max_radius", largest, 0.0, 1.0)? as f32;
     let roughness = photon.gather_roughness.into();
     photon.gather_roughness = object.get_float_in("gather_roughness", roughness, 0.0, 1.0)? as f32;
     Ok(())

@@ -1,0 +1,85 @@
+//! Statistics of photons that a film keeps for each pixel, as numbers of its layer [`Aov::Bandwidth`].
+//!
+//! They are kept as other layers are, so that checkpoints hold them.
+
+use super::splatting::Tile;
+use crate::film::Film;
+use crate::film::aov::{Aov, BANDWIDTH_NUMBERS};
+use halflight_kernel::transport::photon::statistics::PhotonStatistics;
+
+/// The statistics in a film, read.
+pub(super) struct PixelStatistics<'a> {
+    width: usize,
+    numbers: &'a [f64],
+    per_pixel: usize,
+    offset: usize,
+}
+
+impl<'a> PixelStatistics<'a> {
+    /// Of all pixels; none if the film does not keep them.
+    pub fn new(film: &'a Film) -> PixelStatistics<'a> {
+        let aovs = film.aovs();
+        PixelStatistics {
+            width: film.width() as usize,
+            numbers: if aovs.contains(Aov::Bandwidth) {
+                film.aov_sums()
+            } else {
+                &[]
+            },
+            per_pixel: aovs.accumulators(),
+            offset: aovs.offset(Aov::Bandwidth),
+        }
+    }
+
+    /// Of the pixels of a tile, by rows.
+    pub fn of_tile(&self, tile: Tile) -> impl Iterator<Item = PhotonStatistics> + '_ {
+        let pixels = (0..tile.height * tile.width).map(move |i| {
+            let (x, y) = (tile.x + i % tile.width, tile.y + i / tile.width);
+            y as usize * self.width + x as usize
+        });
+        pixels.map(|pixel| {
+            let start = pixel * self.per_pixel + self.offset;
+            let numbers = self.numbers.get(start..start + BANDWIDTH_NUMBERS);
+            numbers.map_or_else(PhotonStatistics::default, statistics_of)
+        })
+    }
+}
+
+/// The statistics of a pixel's numbers.
+pub(super) fn statistics_of(numbers: &[f64]) -> PhotonStatistics {
+    let number = |i: usize| numbers[i] as f32;
+    PhotonStatistics {
+        passes: number(1),
+        photons: number(2),
+        mean: number(3),
+        square: number(4),
+        laplacian: number(5),
+        laplacian_square: number(6),
+        density: number(7),
+        value: number(8),
+    }
+}
+
+/// Keeps statistics, and the bandwidth that follows from them.
+pub(super) fn keep(numbers: &mut [f64], statistics: &PhotonStatistics, bandwidth: f32) {
+    let s = statistics;
+    let kept = [
+        bandwidth,
+        s.passes,
+        s.photons,
+        s.mean,
+        s.square,
+        s.laplacian,
+        s.laplacian_square,
+        s.density,
+        s.value,
+    ];
+    for (number, kept) in numbers.iter_mut().zip(kept) {
+        // A checkpoint holds finite numbers only.
+        *number = if kept.is_finite() {
+            f64::from(kept)
+        } else {
+            0.0
+        };
+    }
+}

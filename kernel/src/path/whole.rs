@@ -28,7 +28,7 @@
 //! them can have, so that they cancel.
 //!
 //! Every strategy's estimate of the path is then f / p_s, whatever the measure ([`Path::strategy_pdf`]).
-//! Invariants (tests): f / p_s is what bidirectional path tracing adds for that strategy, unweighted.
+//! Invariant (tests): paths weighted by f / sum_s p_s have the image of bidirectional path tracing, block by block.
 //!
 //! Hosts only: a path holds its surface points, because chains come back to them many times.
 

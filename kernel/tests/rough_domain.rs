@@ -48,11 +48,11 @@ fn phong_exceeds_one_by_its_borrowed_masking_alone() {
             assert!(own < 1.0 + 1e-5, "{kind} {alpha}: {own}");
         }
     }
-    println!("{excess:?}");
-    assert!(
-        excess[0] < 1.01 && excess[1] < 1.05 && excess[3] < 1.4,
-        "{excess:?}"
-    );
+    // Brighter the rougher, as the borrowed projected area falls short of the own.
+    let within = [(0.98, 1.01), (0.98, 1.02), (1.04, 1.09), (1.3, 1.4)];
+    for (found, (least, most)) in excess.into_iter().zip(within) {
+        assert!(found > least && found < most, "{excess:?}");
+    }
 }
 
 #[test]

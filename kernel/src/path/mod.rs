@@ -17,7 +17,8 @@
 //! - [`connection`]: emission that is hit, next event estimation, connections between subpaths;
 //! - [`lens`]: connections to the lens, and walks that hit it;
 //! - [`contribution`]: what a strategy returns;
-//! - [`visibility`]: transmittance along a segment.
+//! - [`visibility`]: transmittance along a segment;
+//! - `whole`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of all strategies, for Markov chains.
 
 pub mod connection;
 pub mod contribution;
@@ -26,6 +27,9 @@ pub mod lens;
 pub mod rules;
 pub mod strategies;
 pub mod subpath;
+// Whole paths are for hosts only: chains keep their surface points, for which a shader has no room.
+#[cfg(not(target_arch = "spirv"))]
+pub mod specular;
 #[cfg(not(target_arch = "spirv"))]
 pub mod tracer;
 pub mod vertex;
@@ -34,6 +38,8 @@ pub mod walk;
 pub mod weight;
 #[cfg(not(target_arch = "spirv"))]
 pub mod whole;
+#[cfg(not(target_arch = "spirv"))]
+pub mod whole_vertex;
 
 pub use connection::Connector;
 pub use contribution::Contribution;

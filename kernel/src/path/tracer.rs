@@ -8,7 +8,7 @@
 
 use super::rules::PathRules;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
-use super::whole::{SMOOTH, Vertex, p_through};
+use super::whole_vertex::{SMOOTH, Vertex, p_through};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::sampler::Sampler;

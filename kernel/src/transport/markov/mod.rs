@@ -17,13 +17,14 @@
 //!
 //! - [`algorithm`]: what a driver needs to know of an algorithm;
 //! - [`state`]: what a state adds to the image;
-//! - [`primary_space`]: paths as functions of primary samples: over `path`, over `bdpt`, and multiplexed;
+//! - [`primary_space`]: paths as functions of primary samples: over `path`, over `bdpt`, and multiplexed (`multiplexed`);
 //! - [`primary_chain`]: chains of primary samples;
 //! - [`veach`]: chains of whole paths.
 //!
 //! Hosts only: the records of a chain are long.
 
 pub mod algorithm;
+mod multiplexed;
 pub mod primary_chain;
 pub mod primary_space;
 pub mod state;

@@ -4,27 +4,17 @@
 //! |---|---|
 //! | [`technique::PATH`] | what path tracing finds |
 //! | [`technique::BIDIRECTIONAL`] | what all strategies of bidirectional path tracing find, each weighted |
-//! | [`technique::MULTIPLEXED`] | what one strategy finds, weighted, times the inverse probability of its choice |
-//!
-//! The multiplexed technique (Hachisuka, Kaplanyan and Dachsbacher 2014, "Multiplexed Metropolis light transport") chooses the
-//! number of edges k with the probability (1 - q) q^(k-1) by a number that only large steps change, and the strategy among the
-//! k, k + 1 or k + 2 by an ordinary one. The paper runs chains of each k apart and weighs them by integrals b_k; one chain that
-//! changes k at large steps needs no such estimates. Longer paths than 64 edges are not made; their share of the
-//! choice is 6e-7.
+//! | [`technique::MULTIPLEXED`] | what one strategy finds, weighted, times the inverse probability of its choice (`multiplexed.rs`) |
 //!
 //! The film position is even over the window; values are for one sample per pixel of it.
 
 use super::state::State;
-use crate::bsdf::{Bsdf, mode, null_transmittance};
-use crate::math::{Rgb, float};
+use crate::bsdf::Bsdf;
 use crate::path::rules::step;
-use crate::path::visibility::{contribution_transmittance, has_masks};
-use crate::path::{Connector, Contribution, Interaction, LightEnd, PathVertex, Walk};
+use crate::path::{Contribution, PathVertex, Walk};
 use crate::sampler::{FreshSamples, PrimarySamples, Sampler};
-use crate::scene::emitter::emission::EmissionSample;
-use crate::scene::surface::{detail, surface_with};
-use crate::scene::{Hit, NONE, SceneView, SurfacePoint, Tables, Traverse, camera};
-use crate::transport::bidirectional::{Bidirectional, VertexStore, sample};
+use crate::scene::{NONE, SceneView, Traverse, camera};
+use crate::transport::bidirectional::{VertexStore, sample};
 use crate::transport::bounce::{Rays, shade};
 use crate::transport::path::{Path, SinglePath};
 use crate::transport::settings::IntegratorSettings;
@@ -40,12 +30,6 @@ pub mod technique {
     /// By one strategy of it.
     pub const MULTIPLEXED: u32 = 2;
 }
-
-/// q of the header.
-const LENGTH_RATIO: f32 = 0.8;
-
-/// Most edges of a multiplexed path.
-const MAX_EDGES: u32 = 64;
 
 /// Vertices of a light walk that are kept; a walk ends where there is no more room.
 const MAX_VERTICES: usize = 128;
@@ -72,8 +56,8 @@ impl PrimaryNumbers for PrimarySamples {
 
 /// The function.
 pub struct PrimarySpace<'a, T: Traverse> {
-    view: &'a SceneView<'a, T>,
-    settings: &'a IntegratorSettings,
+    pub(super) view: &'a SceneView<'a, T>,
+    pub(super) settings: &'a IntegratorSettings,
     technique: u32,
     /// Fewest edges of a path that counts: shorter ones are somebody else's.
     min_edges: u32,
@@ -182,328 +166,4 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
             }
         }
     }
-
-    fn one_strategy<S: PrimaryNumbers>(
-        &self,
-        light: &mut S,
-        sensor: &mut S,
-        camera_walk: Walk,
-        add: &mut impl FnMut(Contribution),
-    ) {
-        let u_length = sensor.fixed_1d();
-        let u_strategy = sensor.next_1d();
-        let (edges, p_edges) = choose_edges(u_length, self.settings.rules.max_depth);
-        let mut settings = *self.settings;
-        settings.rules.max_depth = edges;
-        let algorithm = Bidirectional::new(&self.view.tables, &settings);
-        let connector = &algorithm.connector;
-        // Strategies that cannot be are not chosen.
-        let first_t = if connector
-            .strategies
-            .pdf_lens(connector.tables, &connector.rules)
-            > 0.0
-        {
-            0
-        } else if connector.strategies.light_image {
-            1
-        } else {
-            2
-        };
-        let count = edges + 2 - first_t;
-        let choice = (u_strategy * count as f32) as u32;
-        let t = first_t + if choice < count { choice } else { count - 1 };
-        let s = edges + 1 - t;
-        let found = self.complete(&algorithm, s, t, light, sensor, camera_walk);
-        if found.is_some() {
-            let value = found.value
-                * contribution_transmittance(self.view, &connector.rules, &found)
-                * (count as f32 / p_edges);
-            add(Contribution { value, ..found });
-        }
-    }
-
-    /// The contribution of one strategy to paths with s + t - 1 edges, the most that the rules allow.
-    fn complete<S: Sampler>(
-        &self,
-        algorithm: &Bidirectional<'_>,
-        s: u32,
-        t: u32,
-        light: &mut S,
-        sensor: &mut S,
-        mut camera_walk: Walk,
-    ) -> Contribution {
-        let connector = &algorithm.connector;
-        if s == 0 {
-            return self.emission_met(connector, sensor, camera_walk, t);
-        }
-        let samples_direct = connector.strategies.sample_direct;
-        let mut start = EmissionSample::NONE;
-        if s > 1 || t < 2 || !samples_direct {
-            start = algorithm.emit(light);
-            if !start.is_some() {
-                return Contribution::NONE;
-            }
-        }
-        if s == 1 && t == 1 {
-            light.start_bounce(0);
-            return connector.start_to_lens(&start, light.next_2d());
-        }
-        let mut light_walk = Walk::from_emitter(&start);
-        if t == 0 {
-            return self.lens_met(connector, light, light_walk, s);
-        }
-        let mut light_bsdf = Bsdf::BLACK;
-        let mut light_end = Arrival::NONE;
-        if s > 1 {
-            light_end = self.arrive(connector, &mut light_walk, light, s - 1, &mut light_bsdf);
-            if !light_end.is_there {
-                return Contribution::NONE;
-            }
-        }
-        let from = light_walk.subpath.ray.direction;
-        let light_at = Interaction::new(&light_end.point, &light_bsdf, from);
-        if t == 1 {
-            let u_lens = light.next_2d();
-            let (beta, weights) = (light_walk.subpath.throughput, light_walk.arrived);
-            return connector.to_lens(beta, weights, s - 1, &light_at, u_lens);
-        }
-        let mut bsdf = Bsdf::BLACK;
-        let end = self.arrive(connector, &mut camera_walk, sensor, t - 1, &mut bsdf);
-        if !end.is_there {
-            return Contribution::NONE;
-        }
-        let at = Interaction::new(&end.point, &bsdf, camera_walk.subpath.ray.direction);
-        if s > 1 {
-            let vertex = light_walk.vertex(&light_end.hit, &light_at, NONE);
-            connector.inner(&LightEnd::new(&vertex, light_at), &camera_walk, &at)
-        } else if samples_direct {
-            let u_select = sensor.next_1d();
-            let u = sensor.next_2d();
-            connector.next_event(&camera_walk, &at, u_select, u)
-        } else {
-            connector.start_event(&camera_walk, &at, &start)
-        }
-    }
-
-    /// Follows a walk until it has scattered `depth` times; says whether it gets there.
-    fn follow<S: Sampler>(
-        &self,
-        connector: &Connector<'_>,
-        walk: &mut Walk,
-        sampler: &mut S,
-        depth: u32,
-        bsdf: &mut Bsdf,
-    ) -> bool {
-        let h = connector.strategies.heuristic;
-        while walk.subpath.depth < depth {
-            let (hit, point) = self.meet(walk, sampler);
-            if !hit.is_hit() {
-                return false;
-            }
-            let is_hidden = is_hidden(connector, walk, &point);
-            let next = if is_hidden {
-                walk.subpath.skip_surface(&point)
-            } else if self.stand(connector, walk, &point, bsdf) {
-                let at = Interaction::new(&point, bsdf, walk.subpath.ray.direction);
-                walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
-            } else {
-                step::END
-            };
-            if next != step::TRACE {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Follows a walk to its vertex after `edges` edges, which must be fit for a connection. Where light may pass straight
-    /// through a surface on the last edge, a number decides whether the vertex is there or behind.
-    fn arrive<S: Sampler>(
-        &self,
-        connector: &Connector<'_>,
-        walk: &mut Walk,
-        sampler: &mut S,
-        edges: u32,
-        bsdf: &mut Bsdf,
-    ) -> Arrival {
-        let tables = connector.tables;
-        if !self.follow(connector, walk, sampler, edges - 1, bsdf) {
-            return Arrival::NONE;
-        }
-        loop {
-            let (hit, point) = self.meet(walk, sampler);
-            if !hit.is_hit() {
-                return Arrival::NONE;
-            }
-            let mut passes = is_hidden(connector, walk, &point);
-            if !passes && has_masks(tables, &point) {
-                let through = null_transmittance(tables, &point);
-                let p_through = through.max_element().min(1.0);
-                passes = sampler.next_1d() < p_through;
-                walk.subpath.throughput *= if passes {
-                    through / p_through
-                } else {
-                    Rgb::splat(1.0 / (1.0 - p_through))
-                };
-            }
-            if passes {
-                if walk.subpath.skip_surface(&point) != step::TRACE {
-                    return Arrival::NONE;
-                }
-                continue;
-            }
-            return Arrival {
-                is_there: self.stand(connector, walk, &point, bsdf) && bsdf.has_smooth(),
-                point,
-                hit,
-            };
-        }
-    }
-
-    /// What a walk's ray meets; what is drawn there begins with the numbers of its own bounce.
-    #[inline]
-    fn meet<S: Sampler>(&self, walk: &Walk, sampler: &mut S) -> (Hit, SurfacePoint) {
-        sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
-        let hit = self.view.traverse.closest_hit(&walk.subpath.ray);
-        let point = if hit.is_hit() {
-            surface_with::<{ detail::TANGENTS }>(&self.view.tables, &walk.subpath.ray, &hit)
-        } else {
-            SurfacePoint::ZERO
-        };
-        (hit, point)
-    }
-
-    /// Arrives at a surface and looks its material up; says whether the walk may stand there.
-    #[inline]
-    fn stand(
-        &self,
-        connector: &Connector<'_>,
-        walk: &mut Walk,
-        point: &SurfacePoint,
-        bsdf: &mut Bsdf,
-    ) -> bool {
-        let back = -walk.subpath.ray.direction;
-        let wi = point.frame.to_local(back);
-        if !connector.rules.allows(point, back, wi.z) {
-            return false;
-        }
-        walk.update_weights(
-            connector.tables,
-            &connector.rules,
-            &connector.strategies,
-            point,
-        );
-        bsdf.look_up(connector.tables, point, wi, mode::RADIANCE);
-        true
-    }
-
-    /// s = 0: emission that a camera walk meets after t - 1 edges, behind masks too.
-    fn emission_met<S: Sampler>(
-        &self,
-        connector: &Connector<'_>,
-        sensor: &mut S,
-        mut walk: Walk,
-        t: u32,
-    ) -> Contribution {
-        let mut found = Contribution {
-            t,
-            ..Contribution::NONE
-        };
-        let mut bsdf = Bsdf::BLACK;
-        if !self.follow(connector, &mut walk, sensor, t - 2, &mut bsdf) {
-            return found;
-        }
-        let mut next = step::TRACE;
-        while next == step::TRACE {
-            let (hit, point) = self.meet(&walk, sensor);
-            if !hit.is_hit() {
-                found.value += connector.escaped(&walk);
-                break;
-            }
-            if is_hidden(connector, &walk, &point) {
-                next = walk.subpath.skip_surface(&point);
-                continue;
-            }
-            let tables = connector.tables;
-            walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-            found.value += connector.emitted(&walk, &point);
-            next = pass_masks(tables, &mut walk, &point);
-        }
-        found
-    }
-
-    /// t = 0: light that meets the lens after s - 1 edges, behind masks too.
-    fn lens_met<S: Sampler>(
-        &self,
-        connector: &Connector<'_>,
-        light: &mut S,
-        mut walk: Walk,
-        s: u32,
-    ) -> Contribution {
-        let mut bsdf = Bsdf::BLACK;
-        if !self.follow(connector, &mut walk, light, s - 2, &mut bsdf) {
-            return Contribution::NONE;
-        }
-        loop {
-            let (hit, point) = self.meet(&walk, light);
-            let met = connector.lens_met(&walk, hit.t);
-            let is_over = met.is_some() || !hit.is_hit();
-            if is_over || pass_masks(connector.tables, &mut walk, &point) != step::TRACE {
-                return met;
-            }
-        }
-    }
-}
-
-/// Where a walk arrived to be connected.
-struct Arrival {
-    is_there: bool,
-    point: SurfacePoint,
-    hit: Hit,
-}
-
-impl Arrival {
-    const NONE: Arrival = Arrival {
-        is_there: false,
-        point: SurfacePoint::ZERO,
-        hit: Hit::MISS,
-    };
-}
-
-/// On the last edge: goes straight on with what masks let pass; says what is next, one of [`step`].
-#[inline]
-fn pass_masks(tables: &Tables<'_>, walk: &mut Walk, point: &SurfacePoint) -> u32 {
-    if has_masks(tables, point) {
-        walk.subpath.continue_through_masks(tables, point)
-    } else {
-        step::END
-    }
-}
-
-/// Whether a walk from the sensor does not see the surface.
-#[inline]
-fn is_hidden(connector: &Connector<'_>, walk: &Walk, point: &SurfacePoint) -> bool {
-    walk.mode == mode::RADIANCE && walk.subpath.is_hidden(&connector.rules, point)
-}
-
-/// Number of edges of a path and the probability of the choice.
-fn choose_edges(u: f32, max_edges: u32) -> (u32, f32) {
-    if max_edges < 2 {
-        return (1, 1.0);
-    }
-    // 1 - q^max, the probability of all lengths that may be.
-    let all = if max_edges < 256 {
-        1.0 - float::exp(float::ln(LENGTH_RATIO) * max_edges as f32)
-    } else {
-        1.0
-    };
-    let mut edges = 1;
-    let mut probability = (1.0 - LENGTH_RATIO) / all;
-    let mut below = probability;
-    while u >= below && edges < max_edges.min(MAX_EDGES) {
-        edges += 1;
-        probability *= LENGTH_RATIO;
-        below += probability;
-    }
-    (edges, probability)
 }

@@ -21,7 +21,7 @@ use super::candidate::{
 };
 use crate::bsdf::Bsdf;
 use crate::path::tracer::Tracer;
-use crate::path::whole::{SMOOTH, Vertex};
+use crate::path::whole_vertex::{SMOOTH, Vertex};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission;
 use crate::scene::{NONE, Traverse, camera, emitter_kind};

@@ -7,7 +7,7 @@ use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::Bsdf;
 use crate::math::{Ray, luminance};
 use crate::path::tracer::Tracer;
-use crate::path::whole::{SMOOTH, Vertex};
+use crate::path::whole_vertex::{SMOOTH, Vertex};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
 use crate::scene::emitter::sample_direct_with_point;

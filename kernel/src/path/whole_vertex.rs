@@ -1,0 +1,97 @@
+//! A vertex of a whole path ([`super::whole`]).
+//!
+//! Hosts only, as whole paths are.
+
+use super::visibility::has_masks;
+use crate::bsdf::null_transmittance;
+use crate::math::{Ray, Rgb};
+use crate::scene::surface::{detail, surface_with};
+use crate::scene::{Hit, NONE, SurfacePoint, Tables};
+use glam::Vec3;
+
+/// Marks a vertex that is no discrete event.
+pub const SMOOTH: u32 = 0;
+
+/// A vertex of a whole path.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex {
+    /// The surface point; of a point light and of the lens only the position means anything.
+    pub point: SurfacePoint,
+    /// Bits of [`crate::bsdf::event`] of a discrete event, [`SMOOTH`] for none.
+    pub event: u32,
+    /// Whether the material has one direction only for that kind of event.
+    pub is_unique: bool,
+    /// f |cos| from the next vertex to the one before.
+    pub value: Rgb,
+    /// Density of the direction to the one before, sampled by a camera walk.
+    pub pdf_to_light: f32,
+    /// Density of the direction to the next, sampled by a light walk.
+    pub pdf_to_sensor: f32,
+    /// Of a discrete event: the squared relative index, from the side of the one before to that of the next, over the ratio of
+    /// cosines with the normal that the event knows, of the direction to the one before and that to the next.
+    pub ratio: f32,
+    /// Probability that a walk which meets the surface stands there, if light may pass straight through.
+    pub stop: f32,
+    /// Transmittance of the edge to the next vertex.
+    pub transmittance: Rgb,
+    /// Probability that a walk passes all that lies on that edge.
+    pub pass: f32,
+}
+
+impl Vertex {
+    /// A vertex that is no surface: a point light, a light at infinity, a lens.
+    pub fn bare(tables: &Tables<'_>, position: Vec3) -> Vertex {
+        let point = SurfacePoint {
+            position,
+            material: NONE,
+            ..SurfacePoint::ZERO
+        };
+        Vertex::new(tables, &point)
+    }
+
+    /// A vertex at a surface point.
+    pub fn new(tables: &Tables<'_>, point: &SurfacePoint) -> Vertex {
+        Vertex {
+            point: *point,
+            event: SMOOTH,
+            is_unique: true,
+            value: Vec3::ZERO,
+            pdf_to_light: 0.0,
+            pdf_to_sensor: 0.0,
+            ratio: 1.0,
+            stop: 1.0 - p_through(tables, point).max_element().min(1.0),
+            transmittance: Vec3::ONE,
+            pass: 1.0,
+        }
+    }
+
+    /// Looks up all of the surface again: points of emitters are sampled without the tangents that scattering reads.
+    pub fn complete(&mut self, tables: &Tables<'_>) {
+        let point = &self.point;
+        let hit = Hit {
+            t: 0.0,
+            b1: point.barycentric.x,
+            b2: point.barycentric.y,
+            primitive: point.primitive,
+            instance: point.instance,
+        };
+        let ray = Ray::new(point.position, point.geometric_normal);
+        self.point = surface_with::<{ detail::TANGENTS }>(tables, &ray, &hit);
+    }
+
+    /// Whether it may be connected.
+    #[inline]
+    pub fn is_smooth(&self) -> bool {
+        self.event == SMOOTH
+    }
+}
+
+/// What light passes straight through a surface.
+#[inline]
+pub fn p_through(tables: &Tables<'_>, point: &SurfacePoint) -> Rgb {
+    if has_masks(tables, point) {
+        null_transmittance(tables, point)
+    } else {
+        Vec3::ZERO
+    }
+}

@@ -7,7 +7,6 @@
 //!
 //! Invariant (tests): for every kind, weight * pdf of a sample equals `eval_cosine` there, and the samples follow `pdf`.
 
-#[cfg(not(target_arch = "spirv"))]
 pub(crate) use super::lobe_frame::inner_pair;
 pub use super::lobe_frame::{exchange_ratio, is_active};
 pub(crate) use super::lobe_frame::{is_flipped, mirrored};

@@ -30,6 +30,7 @@ pub mod experiment;
 pub mod farm;
 pub mod film;
 pub mod image;
+pub mod integrators;
 pub mod material;
 pub mod measured;
 pub mod mesh;

@@ -8,7 +8,7 @@ use halflight::experiment::convergence::errors::{
 use halflight::experiment::convergence::race::Budget;
 use halflight::experiment::convergence::report::{Subject, json, number, plots, slope, table};
 use halflight::experiment::convergence::sheet::{Column, draw, telling_windows};
-use halflight::experiment::convergence::{INTEGRATORS, Outcome, Point, Setup, find, run};
+use halflight::experiment::convergence::{Outcome, Point, Setup, comparable, find, run};
 use halflight::image::ExrImage;
 use halflight::plot::picture::Picture;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
@@ -127,7 +127,7 @@ fn references_that_do_not_fit_are_refused() {
 
 #[test]
 fn equal_samples_give_the_same_numbers_twice() {
-    let names: Vec<_> = INTEGRATORS.iter().map(|i| i.name).collect();
+    let names: Vec<_> = comparable().map(|i| i.name).collect();
     let first = compare(&names, Budget::Samples(128), None);
     let again = compare(&names, Budget::Samples(128), None);
     for (a, b) in first.iter().zip(&again) {

@@ -1,5 +1,6 @@
 //! `halflight list`: the names that scene files and command lines may use.
 
+use crate::integrators::INTEGRATORS;
 use crate::say::{print, print_line};
 use crate::scene::ior::conductor_names;
 use clap::{Args, ValueEnum};
@@ -40,28 +41,6 @@ pub enum Listed {
 
 /// A name and what it stands for.
 pub type Entry = (&'static str, &'static str);
-
-const INTEGRATORS: &[Entry] = &[
-    (
-        "path",
-        "path tracing; volpath, volpath_simple and volpathmis are the same here",
-    ),
-    ("direct", "direct illumination"),
-    ("ao", "ambient occlusion"),
-    ("bdpt", "bidirectional path tracing"),
-    ("ptracer", "path tracing from the lights"),
-    ("ppm", "progressive photon mapping; sppm is the same"),
-    ("vcm", "vertex connection and merging"),
-    ("vm", "vertex merging alone"),
-    ("bpm", "bidirectional photon mapping"),
-    (
-        "pssmlt",
-        "Metropolis light transport in the space of random numbers",
-    ),
-    ("mmlt", "multiplexed Metropolis light transport"),
-    ("mlt", "Metropolis light transport in the space of paths"),
-    ("erpt", "energy redistribution path tracing"),
-];
 
 const SAMPLERS: &[Entry] = &[
     ("independent", "random numbers"),
@@ -150,7 +129,13 @@ impl Listed {
     /// The names, with what they stand for.
     pub fn entries(self) -> Vec<Entry> {
         match self {
-            Listed::Integrators => INTEGRATORS.to_vec(),
+            Listed::Integrators => INTEGRATORS
+                .iter()
+                .flat_map(|i| {
+                    std::iter::once((i.name, i.about))
+                        .chain(i.aliases.iter().map(|name| (*name, i.about)))
+                })
+                .collect(),
             Listed::Samplers => SAMPLERS.to_vec(),
             Listed::Sensors => SENSORS.to_vec(),
             Listed::Bsdfs => BSDFS.to_vec(),

@@ -3,15 +3,16 @@
 use super::backend::{Backend, PassEnd, PassError};
 use super::chains::render_groups;
 use super::options::{Outcome, RenderOptions, RunState};
+use super::own_layers::own_layers;
 use super::passes::render_passes;
 use super::run_loop::{NoObserver, Observer, render_with};
-use super::shape::{Shape, own_layers, shape};
 use super::splatting::render_layers;
 use super::stop::Stop;
 use super::tile_job::{TileJob, Workspace};
 use crate::accel::Accel;
 use crate::film::aov::AovSet;
 use crate::film::{Film, FilmError};
+use crate::integrators::{Shape, shape};
 use crate::processor;
 use crate::scene::build::Scene;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};

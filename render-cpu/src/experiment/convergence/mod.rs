@@ -1,6 +1,6 @@
 //! Comparison of algorithms on a scene: images of equal processor time against a reference, and the error over time.
 //!
-//! The chosen algorithms of [`INTEGRATORS`] render the same scene in turn, slice by slice, so that other load on the machine
+//! The chosen algorithms render the same scene in turn, slice by slice, so that other load on the machine
 //! affects all of them ([`mod@race`]). After 1/128, 1/64 ... 1 of the time their images are measured ([`errors`]); the numbers
 //! become a table, a diagram and JSON ([`report`]), the last images a contact sheet with insets ([`sheet`]).
 //!
@@ -18,77 +18,25 @@ use race::{Budget, Runner, race};
 use crate::accel::Accel;
 use crate::compare::metrics::RgbImage;
 use crate::film::Film;
+use crate::integrators::{self, INTEGRATORS, Integrator};
 use crate::render::PassError;
 use crate::scene::build::Scene;
 use halflight_kernel::transport::IntegratorSettings;
 
-/// An algorithm that can be compared with others: all of them estimate the whole light of a scene.
-#[derive(Clone, Copy, Debug)]
-pub struct Integrator {
-    /// Its plugin name.
-    pub name: &'static str,
-    /// What it does.
-    pub about: &'static str,
+/// The algorithms that can be compared: all that estimate the whole light of a scene.
+pub fn comparable() -> impl Iterator<Item = &'static Integrator> {
+    INTEGRATORS.iter().filter(|i| i.is_complete)
 }
-
-/// The algorithms that can be compared.
-pub const INTEGRATORS: &[Integrator] = &[
-    Integrator {
-        name: "path",
-        about: "paths from the camera",
-    },
-    Integrator {
-        name: "ptracer",
-        about: "paths from the lights",
-    },
-    Integrator {
-        name: "bdpt",
-        about: "paths from both ends",
-    },
-    Integrator {
-        name: "pssmlt",
-        about: "chains of the random numbers of paths from both ends",
-    },
-    Integrator {
-        name: "mmlt",
-        about: "the same, one strategy at a time",
-    },
-    Integrator {
-        name: "mlt",
-        about: "chains of whole paths",
-    },
-    Integrator {
-        name: "erpt",
-        about: "short chains of whole paths, many of them",
-    },
-    Integrator {
-        name: "sppm",
-        about: "photons, radii by schedule",
-    },
-    Integrator {
-        name: "appm",
-        about: "photons, radii by statistics",
-    },
-    Integrator {
-        name: "vcm",
-        about: "paths from both ends, and photons",
-    },
-    Integrator {
-        name: "vm",
-        about: "photons at all vertices",
-    },
-];
 
 /// The algorithm of a name.
 ///
 /// # Errors
-/// If there is none; the message names all.
+/// If there is none that can be compared; the message names all.
 pub fn find(name: &str) -> Result<&'static Integrator, String> {
-    INTEGRATORS.iter().find(|i| i.name == name).ok_or_else(|| {
-        let known: Vec<_> = INTEGRATORS.iter().map(|i| i.name).collect();
+    comparable().find(|i| i.name == name).ok_or_else(|| {
         format!(
             "there is no integrator \"{name}\" to compare; known are {}",
-            known.join(", ")
+            integrators::names(comparable())
         )
     })
 }

@@ -18,6 +18,7 @@ use super::splat::SplatFilter;
 use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
+use crate::integrators::{Shape, shape};
 use crate::scene::build::Scene;
 use glam::Vec3;
 use group::{GroupImage, GroupSize};
@@ -49,7 +50,7 @@ impl MutationsPerPixel {
 
     /// Of an algorithm for a window of so many pixels.
     pub fn of_settings(settings: &IntegratorSettings, [width, height]: [u32; 2]) -> Self {
-        if super::shape(settings.kind) != super::Shape::Chains {
+        if shape(settings.kind) != Shape::Chains {
             return MutationsPerPixel(1);
         }
         let pixels = width.saturating_mul(height);

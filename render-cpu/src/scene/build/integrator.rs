@@ -6,6 +6,7 @@
 use super::chain_settings::{read_chains, redistribute};
 use super::options::BuildOptions;
 use crate::film::aov::{Aov, AovSet};
+use crate::integrators::{self, INTEGRATORS};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::transport::markov::primary_space::technique;
@@ -67,41 +68,29 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
             settings.occlusion.distance = length as f32;
         }
     }
-    settings.kind = match name.as_str() {
-        "path" | "volpath" | "volpath_simple" | "volpathmis" => integrator_kind::PATH,
-        "direct" => integrator_kind::DIRECT,
-        "ao" => integrator_kind::AMBIENT_OCCLUSION,
-        "bdpt" => integrator_kind::BIDIRECTIONAL,
-        "ptracer" => integrator_kind::LIGHT_TRACING,
-        "ppm" | "sppm" => integrator_kind::PROGRESSIVE_PHOTONS,
-        "appm" => integrator_kind::ADAPTIVE_PHOTONS,
-        "vcm" | "vm" | "bpm" => integrator_kind::VERTEX_MERGING,
-        "pssmlt" => integrator_kind::PRIMARY_SAMPLE_MLT,
-        "mmlt" => {
-            settings.chains.technique = technique::MULTIPLEXED;
-            integrator_kind::PRIMARY_SAMPLE_MLT
-        }
-        "mlt" => integrator_kind::VEACH_MLT,
-        "erpt" => {
-            redistribute(object.map(|o| &**o), &mut settings.chains)?;
-            integrator_kind::VEACH_MLT
-        }
-        other if options.integrator.is_some() => {
+    settings.kind = match integrators::find(&name) {
+        Some(integrator) => integrator.kind,
+        None if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
-                "there is no integrator \"{other}\"; known are path, direct, ao, ptracer, bdpt, pssmlt, mmlt, mlt, erpt, ppm, \
-                 sppm, appm, vcm, vm and bpm"
+                "there is no integrator \"{name}\"; known are {}",
+                integrators::names(INTEGRATORS.iter())
             )));
         }
-        other => {
+        None => {
             if let Some(object) = object {
                 object.warn(format!(
-                    "the integrator \"{other}\" is not supported; \"path\" is used instead"
+                    "the integrator \"{name}\" is not supported; \"path\" is used instead"
                 ))?;
             }
             name = "path".to_string();
             integrator_kind::PATH
         }
     };
+    match name.as_str() {
+        "mmlt" => settings.chains.technique = technique::MULTIPLEXED,
+        "erpt" => redistribute(object.map(|o| &**o), &mut settings.chains)?,
+        _ => {}
+    }
     settings.photon.connections = u32::from(name == "vcm");
     if settings.kind == integrator_kind::DIRECT {
         settings.rules.max_depth = settings.rules.max_depth.min(2);

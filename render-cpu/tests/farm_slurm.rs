@@ -30,7 +30,7 @@ const SCENE: &str = room!(
     ball: "dielectric"
 );
 
-const SPP: &str = "3200";
+const SPP: &str = "9600";
 
 /// A program of Slurm's; daemons are often not on the path of users.
 fn program(name: &str) -> Option<PathBuf> {

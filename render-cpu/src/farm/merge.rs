@@ -15,6 +15,7 @@ use super::folder::Folder;
 use super::plan::Plan;
 use super::record::Record;
 use crate::film::Film;
+use crate::film::aov::Aov;
 use crate::film::checkpoint::{Progress, save_checkpoint};
 use crate::image::exr_output::{LayeredImage, write_exr};
 use crate::image::metadata::ImageMetadata;
@@ -180,6 +181,8 @@ fn add_progress(all: &mut Progress, other: &Progress) {
 /// Writes the image of the whole film.
 fn write_image(plan: &Plan, progress: &Progress, film: &Film) -> Result<(), FarmError> {
     let (scene_digest, settings) = identity(&plan.settings);
+    // As the image of one run: a layer of sample counts where it is asked for or where they differ.
+    let wants_counts = plan.layers.iter().any(|name| name == Aov::Samples.name());
     let metadata = ImageMetadata {
         scene: scene_name(&plan.scene.file),
         integrator: plan.integrator.clone(),
@@ -190,6 +193,7 @@ fn write_image(plan: &Plan, progress: &Progress, film: &Film) -> Result<(), Farm
         render_seconds: progress.render_seconds,
         scene_digest,
         settings,
+        samples_per_pixel: film.even_samples().filter(|_| !wants_counts),
         ..ImageMetadata::default()
     };
     let image = LayeredImage::from_film(film, plan.full_size, metadata);

@@ -33,7 +33,11 @@ fn one_run(plan: &Plan) -> Vec<(String, Vec<f32>)> {
         &mut NoObserver,
     )
     .expect("a render");
-    let image = LayeredImage::from_film(&film, plan.full_size, ImageMetadata::default());
+    let metadata = ImageMetadata {
+        samples_per_pixel: film.even_samples(),
+        ..ImageMetadata::default()
+    };
+    let image = LayeredImage::from_film(&film, plan.full_size, metadata);
     let mut channels: Vec<_> = image
         .channels
         .into_iter()

@@ -108,7 +108,7 @@ impl FilmTile<'_> {
         self.rows.len() as u32
     }
 
-    /// One pixel to add samples to; coordinates are relative to the film, as those of [`Film::pixel_mut`].
+    /// One pixel to add samples to; coordinates are relative to the film, as those of [`crate::film::Film::pixel_mut`].
     ///
     /// # Panics
     /// If the pixel is outside of the tile.

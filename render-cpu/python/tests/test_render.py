@@ -87,7 +87,9 @@ def test_a_time_ends_a_render(spheres):
     start = time.monotonic()
     image = halflight.load(spheres).render(time=0.3)
     assert time.monotonic() - start >= 0.3
-    assert image.samples.min() >= 1 and image.samples.min() == image.samples.max()
+    # The pass that the time ends leaves some pixels with more samples than others.
+    assert image.samples.min() >= 1
+    assert np.isclose(image.samples.mean(), image.spp)
 
 
 @pytest.mark.parametrize(
@@ -126,7 +128,15 @@ def test_an_exception_of_progress_ends_the_render(spheres):
         halflight.load(spheres).render(spp=100_000_000, progress=stop)
 
 
-def test_an_interrupt_returns_what_there_is(spheres):
+@pytest.fixture
+def heeded_interrupts():
+    """Ctrl-C raises KeyboardInterrupt, also where the tests run in the background of a shell, which ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_returns_what_there_is(spheres, heeded_interrupts):
     scene = halflight.load(spheres)
     timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
@@ -142,7 +152,7 @@ def test_an_interrupt_returns_what_there_is(spheres):
     np.testing.assert_array_equal(image.radiance, again.radiance)
 
 
-def test_an_interrupt_within_progress_is_one_too(spheres):
+def test_an_interrupt_within_progress_is_one_too(spheres, heeded_interrupts):
     image = halflight.load(spheres).render(spp=100_000_000, progress=lambda _: _thread.interrupt_main())
     assert image.interrupted and image.samples.min() >= 1
 

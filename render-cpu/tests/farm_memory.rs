@@ -5,7 +5,7 @@ use halflight::farm::merge::merge_all;
 use halflight::farm::plan::{Division, Plan, PlannedScene, Request};
 use halflight::farm::record::{Record, record_file};
 use halflight::film::Film;
-use halflight::film::aov::AovSet;
+use halflight::film::aov::{Aov, AovSet};
 use halflight::film::checkpoint::{Progress, write_checkpoint};
 use halflight::image::read_exr;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -91,7 +91,7 @@ fn most_held(folder: &Path, tasks: u32) -> usize {
         spp: Some(tasks),
         seed: None,
         division: Division::Samples,
-        layers: AovSet::NONE,
+        layers: AovSet::NONE.with(Aov::Samples),
         fan_in: 32,
     };
     let planned = PlannedScene {

@@ -42,10 +42,13 @@ pub struct Connector<'a> {
 }
 
 impl Connector<'_> {
-    /// Emission of the surface that a camera walk has hit (s = 0).
+    /// Emission of the surface that a camera walk has hit (s = 0); nothing for light walks.
     pub fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Rgb {
         let tables = self.tables;
-        if point.emitter == NONE || !self.strategies.shows(0, walk.subpath.depth + 2) {
+        if walk.mode != mode::RADIANCE || point.emitter == NONE {
+            return Vec3::ZERO;
+        }
+        if !self.strategies.shows(0, walk.subpath.depth + 2) {
             return Vec3::ZERO;
         }
         let outgoing = -walk.subpath.ray.direction;
@@ -73,10 +76,13 @@ impl Connector<'_> {
         walk.subpath.throughput * radiance * self.strategies.weight(0.0, camera)
     }
 
-    /// Emission of the environment where a camera walk leaves the scene (s = 0).
+    /// Emission of the environment where a camera walk leaves the scene (s = 0); nothing for light walks.
     pub fn escaped(&self, walk: &Walk) -> Rgb {
         let tables = self.tables;
         let emitter = tables.info.environment;
+        if walk.mode != mode::RADIANCE {
+            return Vec3::ZERO;
+        }
         let is_hidden = !walk.subpath.sees_emitters(&self.rules);
         if emitter == NONE || is_hidden || !self.strategies.shows(0, walk.subpath.depth + 2) {
             return Vec3::ZERO;

@@ -10,6 +10,7 @@
 //! - [`rules`]: path depth, hidden emitters, strict normals, Russian roulette;
 //! - [`subpath`]: the moving end of every random walk, its arrival at surfaces and its departure;
 //! - [`walk`]: random walks from the sensor and from emitters that can be connected;
+//! - [`arrival`]: what all of them do where they meet a surface;
 //! - [`vertex`]: their vertices, as records;
 //! - [`evaluation`]: BSDF values and densities at a vertex, in both directions of transport;
 //! - [`strategies`]: which sampling strategies exist and enter the weights;
@@ -20,6 +21,7 @@
 //! - [`visibility`]: transmittance along a segment;
 //! - `whole`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of all strategies, for Markov chains.
 
+pub mod arrival;
 pub mod connection;
 pub mod contribution;
 pub mod evaluation;
@@ -41,6 +43,7 @@ pub mod whole;
 #[cfg(not(target_arch = "spirv"))]
 pub mod whole_vertex;
 
+pub use arrival::ShadingPoint;
 pub use connection::Connector;
 pub use contribution::Contribution;
 pub use evaluation::{Evaluation, Interaction};

@@ -7,7 +7,7 @@
 //!
 //! The record is plain data, laid out for storage buffers with scalar alignment: shaders and checkpoints hold it as it is.
 
-use super::rules::{MAX_SURVIVAL, PathRules, is_same_side, step};
+use super::rules::{MAX_SURVIVAL, PathRules, step};
 use super::visibility::{MAX_NULL_CROSSINGS, has_masks, pass_through};
 use crate::bsdf::null_transmittance;
 use crate::math::{Ray, Rgb};
@@ -84,10 +84,11 @@ impl Subpath {
             };
         }
         let wi = self.local_direction(point);
-        if rules.strict_normals != 0 && !is_same_side(point, -self.ray.direction, wi.z) {
-            return step::END;
+        if rules.allows(point, -self.ray.direction, wi.z) {
+            step::SCATTER
+        } else {
+            step::END
         }
-        step::SCATTER
     }
 
     /// Goes straight on behind the surface with what its masks let pass; says what is next, one of [`step`].

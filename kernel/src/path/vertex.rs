@@ -1,15 +1,16 @@
 //! Vertices of subpaths: as they are stored, and as connections need them.
 //!
 //! A [`PathVertex`] is plain data, because shaders and caches of light vertices hold it too. It keeps the hit and the ray
-//! that found it, not the surface point or the material: both are looked up again ([`PathVertex::point`]), which takes less
+//! that found it, not the surface point or the material: both are looked up again ([`PathVertex::look_up`]), which takes less
 //! memory and gives the same to the bit. A [`LightEnd`] is a vertex of a light subpath after that look-up.
 
+use super::arrival::ShadingPoint;
 use super::evaluation::Interaction;
 use super::weight::PartialWeights;
 use crate::math::{Ray, Rgb, vec3};
-use crate::scene::surface::{detail, surface_with};
-use crate::scene::{Hit, SurfacePoint, Tables};
+use crate::scene::{Hit, Tables};
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// A vertex of a subpath, as it is stored.
 #[repr(C)]
@@ -38,11 +39,13 @@ pub struct PathVertex {
 }
 
 impl PathVertex {
-    /// Looks the surface point up again.
+    /// Looks the surface point and its BSDF up again; returns the direction of the walk.
     #[inline]
-    pub fn point(&self, tables: &Tables<'_>) -> SurfacePoint {
-        let ray = Ray::new(vec3(self.origin), vec3(self.direction));
-        surface_with::<{ detail::TANGENTS }>(tables, &ray, &self.hit)
+    pub fn look_up(&self, tables: &Tables<'_>, site: &mut ShadingPoint) -> Vec3 {
+        let direction = vec3(self.direction);
+        site.find(tables, &Ray::new(vec3(self.origin), direction), &self.hit);
+        site.look_up(tables, direction);
+        direction
     }
 
     /// The partial sums of the weights up to this vertex.

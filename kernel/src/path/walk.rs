@@ -25,7 +25,7 @@ use crate::bsdf::{BsdfSample, event, lobe, mode};
 use crate::math::{Ray, float};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission;
-use crate::scene::emitter::emission::{EmissionSample, is_delta, is_infinite, light_cosine};
+use crate::scene::emitter::emission::{EmissionSample, is_delta, light_cosine};
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera};
 use bytemuck::{Pod, Zeroable};
@@ -174,14 +174,6 @@ impl Walk {
             position: self.subpath.position,
             ..SurfacePoint::ZERO
         }
-    }
-
-    /// Whether the current ray is the first edge from an emitter at infinity.
-    #[inline]
-    pub fn comes_from_infinity(&self, tables: &Tables<'_>) -> bool {
-        self.mode == mode::IMPORTANCE
-            && self.subpath.depth == 0
-            && is_infinite(tables.emitters[self.emitter as usize].kind)
     }
 
     /// The record of the surface that the ray has hit.

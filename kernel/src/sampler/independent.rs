@@ -3,7 +3,6 @@
 use super::hash::{hashed, keys, to_unit_interval};
 use super::{LaneSampler, Sampler};
 use bytemuck::Zeroable;
-use glam::Vec2;
 
 /// Independent numbers: a hash of the counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Zeroable)]
@@ -24,26 +23,14 @@ impl IndependentSampler {
             dimension: 0,
         }
     }
-
-    #[inline]
-    fn next(&mut self) -> f32 {
-        let x = hashed(self.key0, self.key1, self.dimension);
-        self.dimension = self.dimension.wrapping_add(1);
-        to_unit_interval(x)
-    }
 }
 
 impl Sampler for IndependentSampler {
     #[inline]
     fn next_1d(&mut self) -> f32 {
-        self.next()
-    }
-
-    #[inline]
-    fn next_2d(&mut self) -> Vec2 {
-        let x = self.next();
-        let y = self.next();
-        Vec2::new(x, y)
+        let x = hashed(self.key0, self.key1, self.dimension);
+        self.dimension = self.dimension.wrapping_add(1);
+        to_unit_interval(x)
     }
 }
 

@@ -34,7 +34,12 @@ pub trait Sampler {
     /// The next number in [0, 1).
     fn next_1d(&mut self) -> f32;
     /// The next point in [0, 1)^2, well distributed over the samples of the pixel where the sampler can.
-    fn next_2d(&mut self) -> Vec2;
+    #[inline]
+    fn next_2d(&mut self) -> Vec2 {
+        let x = self.next_1d();
+        let y = self.next_1d();
+        Vec2::new(x, y)
+    }
     /// Says that what follows is of this bounce, counted from zero: a chain keeps the numbers of each bounce together. Others
     /// do not care.
     #[inline(always)]

@@ -22,7 +22,6 @@
 use super::Sampler;
 use super::hash::{hashed, keys, to_unit_interval};
 use crate::math::float;
-use glam::Vec2;
 
 /// Numbers that are kept: those of 64 bounces.
 pub const CAPACITY: usize = 512;
@@ -75,13 +74,6 @@ impl Sampler for FreshSamples {
         let number = self.number(self.next);
         self.next = self.next.wrapping_add(1);
         number
-    }
-
-    #[inline]
-    fn next_2d(&mut self) -> Vec2 {
-        let x = self.next_1d();
-        let y = self.next_1d();
-        Vec2::new(x, y)
     }
 
     #[inline]
@@ -225,13 +217,6 @@ impl Sampler for PrimarySamples {
         let dimension = self.next;
         self.next += 1;
         self.number(dimension)
-    }
-
-    #[inline]
-    fn next_2d(&mut self) -> Vec2 {
-        let x = self.next_1d();
-        let y = self.next_1d();
-        Vec2::new(x, y)
     }
 
     #[inline]

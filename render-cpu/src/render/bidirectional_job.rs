@@ -7,7 +7,6 @@
 use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::splat::Splat;
 use glam::{Vec2, Vec3};
-use halflight_kernel::bsdf::Bsdf;
 use halflight_kernel::math::Rgb;
 use halflight_kernel::path::visibility::contribution_transmittance;
 use halflight_kernel::path::{Contribution, Interaction, PathVertex, Walk};
@@ -15,7 +14,9 @@ use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::emitter::emission::EmissionSample;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::scene::{HitBatch, NONE, RayBatch, SceneView, scene_flag};
-use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
+use halflight_kernel::transport::bidirectional::{
+    Bidirectional, ConnectedPoints, LightSubpath, VertexStore,
+};
 use halflight_kernel::transport::photon::merging::{PassPhotons, merge};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
@@ -86,7 +87,7 @@ pub struct BidirectionalWorkspace {
     weights: Vec<f32>,
     vertices: Vertices,
     shadows: Shadows,
-    bsdf: Box<[Bsdf; 2]>,
+    points: Box<ConnectedPoints>,
 }
 
 impl BidirectionalWorkspace {
@@ -99,7 +100,7 @@ impl BidirectionalWorkspace {
             weights: Vec::new(),
             vertices: Vertices::default(),
             shadows: Shadows::new(),
-            bsdf: Box::new([Bsdf::BLACK; 2]),
+            points: Box::new(ConnectedPoints::NONE),
         }
     }
 
@@ -168,7 +169,7 @@ impl BidirectionalWorkspace {
                     walk,
                     &mut samples[i].light,
                     hit,
-                    &mut self.bsdf[0],
+                    &mut self.points.own,
                     &mut self.vertices,
                     &mut self.last[i],
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
@@ -201,17 +202,19 @@ impl BidirectionalWorkspace {
         }
         while !self.walks.is_done() {
             let shadows = &mut self.shadows;
-            let [bsdf, light_bsdf] = &mut *self.bsdf;
+            let points = &mut *self.points;
             self.walks.bounce(view, |i, walk, hit| {
+                let light = LightSubpath {
+                    store: &self.vertices,
+                    last: self.last[i],
+                    start: &self.starts[i],
+                };
                 let (found, next) = algorithm.camera_bounce_merging(
                     walk,
                     &mut samples[i].camera,
                     hit,
-                    bsdf,
-                    light_bsdf,
-                    &self.vertices,
-                    self.last[i],
-                    &self.starts[i],
+                    points,
+                    &light,
                     merge,
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
                 );

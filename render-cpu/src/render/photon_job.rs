@@ -6,8 +6,7 @@ use super::bidirectional_job::{Shadows, TileSample, TileSamples};
 use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::photon_cache::PhotonList;
 use glam::Vec3;
-use halflight_kernel::bsdf::Bsdf;
-use halflight_kernel::path::Walk;
+use halflight_kernel::path::{ShadingPoint, Walk};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -26,7 +25,7 @@ pub(super) struct PhotonWorkspace {
     walks: LockstepWalks,
     weights: Vec<f32>,
     shadows: Shadows,
-    bsdf: Box<Bsdf>,
+    site: Box<ShadingPoint>,
 }
 
 impl PhotonWorkspace {
@@ -36,7 +35,7 @@ impl PhotonWorkspace {
             walks: LockstepWalks::new(),
             weights: Vec::new(),
             shadows: Shadows::new(),
-            bsdf: Box::new(Bsdf::BLACK),
+            site: Box::new(ShadingPoint::NONE),
         }
     }
 
@@ -54,9 +53,9 @@ impl PhotonWorkspace {
             self.walks.push(Walk::from_emitter(&start), start.is_some());
         }
         while !self.walks.is_done() {
-            let bsdf = &mut *self.bsdf;
+            let site = &mut *self.site;
             self.walks.bounce(view, |i, walk, hit| {
-                tracer.light_bounce(walk, &mut samplers[i], hit, bsdf, &mut list)
+                tracer.light_bounce(walk, &mut samplers[i], hit, site, &mut list)
             });
         }
         list
@@ -87,13 +86,13 @@ impl PhotonWorkspace {
             self.weights.push(seen.weight);
         }
         while !self.walks.is_done() {
-            let (shadows, bsdf) = (&mut self.shadows, &mut *self.bsdf);
+            let (shadows, site) = (&mut self.shadows, &mut *self.site);
             self.walks.bounce(view, |i, walk, hit| {
                 let (found, next) = algorithm.camera_bounce(
                     walk,
                     &mut samples[i].camera,
                     hit,
-                    bsdf,
+                    site,
                     photons.emitted,
                     |walk, at, only_unfound| match radii {
                         Some(radii) => adaptive::gather(

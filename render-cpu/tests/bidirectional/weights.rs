@@ -4,7 +4,9 @@ use crate::scenes::{LAMP, PINHOLE, View, room, scene, with_view};
 use halflight::scene::build::Scene;
 use halflight_kernel::bsdf::{Bsdf, mode};
 use halflight_kernel::path::rules::step;
-use halflight_kernel::path::{Connector, Contribution, Interaction, LightEnd, PathVertex, Walk};
+use halflight_kernel::path::{
+    Connector, Contribution, Interaction, LightEnd, PathVertex, ShadingPoint, Walk,
+};
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::emitter;
 use halflight_kernel::scene::emitter::emission::{self, EmissionSample};
@@ -148,7 +150,15 @@ fn check_sample(
         position: camera::ray_through(&tables.camera, glam::Vec2::ONE, glam::Vec2::ZERO).origin,
         ..SurfacePoint::ZERO
     };
-    let light_points: Vec<SurfacePoint> = store.0.iter().map(|v| v.point(tables)).collect();
+    let light_sites: Vec<ShadingPoint> = store
+        .0
+        .iter()
+        .map(|vertex| {
+            let mut site = ShadingPoint::NONE;
+            vertex.look_up(tables, &mut site);
+            site
+        })
+        .collect();
     let mut checked = 0;
     let mut compare = |found: Option<f64>, path: &[SurfacePoint], s: usize| {
         // Directions of shorter edges differ between positions and rays by more than the tolerance.
@@ -169,12 +179,9 @@ fn check_sample(
         }
     };
     for (i, vertex) in store.0.iter().enumerate() {
-        let from = glam::Vec3::from_array(vertex.direction);
-        let wi = light_points[i].frame.to_local(-from);
-        let bsdf = Bsdf::at(tables, &light_points[i], wi, mode::RADIANCE);
-        let at = Interaction::new(&light_points[i], &bsdf, from);
+        let at = light_sites[i].interaction(glam::Vec3::from_array(vertex.direction));
         let mut path = vec![start.point];
-        path.extend(&light_points[..=i]);
+        path.extend(light_sites[..=i].iter().map(|site| site.point));
         let end = LightEnd::new(vertex, at);
         let seen = weight(|plain| {
             let end_at = (end.throughput, end.weights);
@@ -274,7 +281,7 @@ fn light_walk(
     let mut last = NONE;
     let start = algorithm.emit(sampler);
     let mut walk = Walk::from_emitter(&start);
-    let mut bsdf = Bsdf::BLACK;
+    let mut site = ShadingPoint::NONE;
     let mut next = if start.is_some() {
         step::TRACE
     } else {
@@ -286,7 +293,7 @@ fn light_walk(
             &mut walk,
             sampler,
             &hit,
-            &mut bsdf,
+            &mut site,
             &mut store,
             &mut last,
             |_| {},

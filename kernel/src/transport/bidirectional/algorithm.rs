@@ -1,14 +1,13 @@
 //! The bounces of walks from both ends, and what is connected there.
 
-use crate::bsdf::{Bsdf, mode};
 use crate::math::{Rgb, vec3};
 use crate::path::rules::step;
 use crate::path::{
-    Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, Strategies, Walk,
+    Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, ShadingPoint,
+    Strategies, Walk,
 };
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
-use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, Tables, camera_kind};
 use crate::transport::photon::merging::merging_share;
 use crate::transport::settings::{IntegratorSettings, integrator_kind};
@@ -20,6 +19,34 @@ pub trait VertexStore {
     fn push(&mut self, vertex: &PathVertex) -> u32;
     /// A vertex that was kept.
     fn get(&self, index: u32) -> PathVertex;
+}
+
+/// A light subpath, to whose vertices those of a camera walk are connected.
+#[derive(Clone, Copy)]
+pub struct LightSubpath<'a, V> {
+    /// Where its vertices are kept.
+    pub store: &'a V,
+    /// The index of the last of them, [`NONE`] without any.
+    pub last: u32,
+    /// Its start.
+    pub start: &'a EmissionSample,
+}
+
+/// Room for the two ends of a connection.
+#[derive(Clone, Copy)]
+pub struct ConnectedPoints {
+    /// Where the camera walk has arrived, or a light walk alone.
+    pub own: ShadingPoint,
+    /// The vertex of the light walk.
+    pub light: ShadingPoint,
+}
+
+impl ConnectedPoints {
+    /// Nothing yet.
+    pub const NONE: ConnectedPoints = ConnectedPoints {
+        own: ShadingPoint::NONE,
+        light: ShadingPoint::NONE,
+    };
 }
 
 /// The algorithm over a scene.
@@ -97,39 +124,30 @@ impl<'a> Bidirectional<'a> {
 
     /// One bounce of a light walk, from what its ray meets to its next ray: hands on what it adds, keeps the vertex in
     /// `store`, with `last` the index of the walk's vertex before and then of this, and scatters. Says what is next,
-    /// [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
+    /// [`step::TRACE`] or [`step::END`]. `site` is room for the surface.
     pub fn light_bounce<S: Sampler, V: VertexStore>(
         &self,
         walk: &mut Walk,
         sampler: &mut S,
         hit: &Hit,
-        bsdf: &mut Bsdf,
+        site: &mut ShadingPoint,
         store: &mut V,
         last: &mut u32,
         mut add: impl FnMut(Contribution),
     ) -> u32 {
         let connector = &self.connector;
-        let tables = connector.tables;
         let met = connector.lens_met(walk, hit.t);
         if met.is_some() {
             add(met);
         }
         let edges = walk.subpath.depth + 1;
-        if !hit.is_hit() {
-            return step::END;
-        }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
         // On the last edge only a lens behind a mask is left to meet.
-        let next = walk.subpath.arrive(tables, &connector.rules, &point);
+        let (_, next) = connector.arrive(walk, hit, site);
         if next != step::SCATTER {
             return next;
         }
-        let direction = walk.subpath.ray.direction;
-        let wi = walk.subpath.local_direction(&point);
-        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        let at = Interaction::new(&point, bsdf, direction);
-        if bsdf.has_smooth() {
+        let at = site.interaction(walk.subpath.ray.direction);
+        if at.bsdf.has_smooth() {
             if connector.strategies.light_image {
                 let u_lens = self.lens_numbers(sampler);
                 let seen =
@@ -146,28 +164,23 @@ impl<'a> Bidirectional<'a> {
             }
         }
         let h = connector.strategies.heuristic;
-        walk.scatter(tables, &connector.rules, h, sampler, &at)
+        walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
     }
 
-    /// One bounce of a camera walk, connected to the vertices of a light walk by the index of its `last` and to its `start`.
-    /// `add` takes what may be shadowed; what the walk found itself is returned with what is next, as
-    /// [`Bidirectional::light_bounce`] says it.
+    /// One bounce of a camera walk, connected to the vertices and to the start of a `light` subpath. `add` takes what may be
+    /// shadowed; what the walk found itself is returned with what is next, as [`Bidirectional::light_bounce`] says it.
+    /// `points` is room for the surfaces.
     pub fn camera_bounce<S: Sampler, V: VertexStore>(
         &self,
         walk: &mut Walk,
         sampler: &mut S,
         hit: &Hit,
-        bsdf: &mut Bsdf,
-        light_bsdf: &mut Bsdf,
-        store: &V,
-        last: u32,
-        start: &EmissionSample,
+        points: &mut ConnectedPoints,
+        light: &LightSubpath<'_, V>,
         add: impl FnMut(Contribution),
     ) -> (Rgb, u32) {
         let no_merging = |_: &Walk, _: &Interaction<'_>| Vec3::ZERO;
-        self.camera_bounce_merging(
-            walk, sampler, hit, bsdf, light_bsdf, store, last, start, no_merging, add,
-        )
+        self.camera_bounce_merging(walk, sampler, hit, points, light, no_merging, add)
     }
 
     /// [`Bidirectional::camera_bounce`] with what `merge` finds around the vertex where the walk has arrived.
@@ -176,79 +189,70 @@ impl<'a> Bidirectional<'a> {
         walk: &mut Walk,
         sampler: &mut S,
         hit: &Hit,
-        bsdf: &mut Bsdf,
-        light_bsdf: &mut Bsdf,
-        store: &V,
-        last: u32,
-        start: &EmissionSample,
+        points: &mut ConnectedPoints,
+        light: &LightSubpath<'_, V>,
         merge: impl Fn(&Walk, &Interaction<'_>) -> Rgb,
         mut add: impl FnMut(Contribution),
     ) -> (Rgb, u32) {
         let connector = &self.connector;
         let tables = connector.tables;
-        if !hit.is_hit() {
-            return (connector.escaped(walk), step::END);
-        }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
-        if walk.subpath.is_hidden(&connector.rules, &point) {
-            return (Vec3::ZERO, walk.subpath.skip_surface(&point));
-        }
-        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-        let mut found = connector.emitted(walk, &point);
-        let next = walk.subpath.arrive(tables, &connector.rules, &point);
+        let (mut found, next) = connector.arrive(walk, hit, &mut points.own);
         if next != step::SCATTER {
             return (found, next);
         }
-        let direction = walk.subpath.ray.direction;
-        let wi = walk.subpath.local_direction(&point);
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        let at = Interaction::new(&point, bsdf, direction);
+        let at = points.own.interaction(walk.subpath.ray.direction);
         // Merging is none of the strategies that can be shown alone.
-        if bsdf.has_smooth() && connector.strategies.shows_all() {
+        if at.bsdf.has_smooth() && connector.strategies.shows_all() {
             found += merge(walk, &at);
         }
-        if bsdf.has_smooth() && connector.strategies.heuristic.connects {
+        if at.bsdf.has_smooth() && connector.strategies.heuristic.connects {
             let lit = if connector.strategies.sample_direct {
                 let u_select = sampler.next_1d();
                 let u = sampler.next_2d();
                 connector.next_event(walk, &at, u_select, u)
             } else {
-                connector.start_event(walk, &at, start)
+                connector.start_event(walk, &at, light.start)
             };
             if lit.is_some() {
                 add(lit);
             }
-            let facing = at.facing();
-            let mut index = last;
-            while index != NONE {
-                let vertex = store.get(index);
-                index = vertex.previous;
-                if !connector.allows_edges(
-                    vertex
-                        .depth
-                        .saturating_add(walk.subpath.depth)
-                        .saturating_add(2),
-                ) {
-                    continue;
-                }
-                // Cheap tests first: most pairs do not see each other.
-                let between = vec3(vertex.position) - point.position;
-                if facing.dot(between) < 0.0 || vec3(vertex.facing).dot(between) > 0.0 {
-                    continue;
-                }
-                let light_point = vertex.point(tables);
-                let from = vec3(vertex.direction);
-                let light_wi = light_point.frame.to_local(-from);
-                light_bsdf.look_up(tables, &light_point, light_wi, mode::RADIANCE);
-                let end = LightEnd::new(&vertex, Interaction::new(&light_point, light_bsdf, from));
-                let joined = connector.inner(&end, walk, &at);
-                if joined.is_some() {
-                    add(joined);
-                }
-            }
+            self.connect(walk, &at, &mut points.light, light, &mut add);
         }
         let h = connector.strategies.heuristic;
         let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
         (found, next)
+    }
+
+    /// Connections between where a camera walk has arrived and the vertices of a light subpath; `site` is room for those.
+    fn connect<V: VertexStore>(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        site: &mut ShadingPoint,
+        light: &LightSubpath<'_, V>,
+        add: &mut impl FnMut(Contribution),
+    ) {
+        let connector = &self.connector;
+        let facing = at.facing();
+        let mut index = light.last;
+        while index != NONE {
+            let vertex = light.store.get(index);
+            index = vertex.previous;
+            let edges = vertex.depth.saturating_add(walk.subpath.depth);
+            if !connector.allows_edges(edges.saturating_add(2)) {
+                continue;
+            }
+            // Cheap tests first: most pairs do not see each other.
+            let between = vec3(vertex.position) - at.point.position;
+            if facing.dot(between) < 0.0 || vec3(vertex.facing).dot(between) > 0.0 {
+                continue;
+            }
+            let direction = vertex.look_up(connector.tables, site);
+            let end = LightEnd::new(&vertex, site.interaction(direction));
+            let joined = connector.inner(&end, walk, at);
+            if joined.is_some() {
+                add(joined);
+            }
+        }
     }
 }

@@ -21,5 +21,5 @@
 mod algorithm;
 mod sample;
 
-pub use algorithm::{Bidirectional, VertexStore};
+pub use algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
 pub use sample::sample;

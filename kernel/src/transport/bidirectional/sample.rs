@@ -1,7 +1,6 @@
 //! One sample by itself: both walks, ray by ray.
 
-use super::algorithm::{Bidirectional, VertexStore};
-use crate::bsdf::Bsdf;
+use super::algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
 use crate::math::Ray;
 use crate::path::rules::step;
 use crate::path::visibility::contribution_transmittance;
@@ -28,8 +27,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
         contribution.value *= contribution_transmittance(view, &rules, &contribution);
         contribution
     };
-    let mut bsdf = Bsdf::BLACK;
-    let mut light_bsdf = Bsdf::BLACK;
+    let mut points = ConnectedPoints::NONE;
     let mut last = NONE;
     let start = algorithm.emit(light_sampler);
     if start.is_some() && rules.max_depth > 0 {
@@ -46,7 +44,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
                 &mut walk,
                 light_sampler,
                 &hit,
-                &mut bsdf,
+                &mut points.own,
                 store,
                 &mut last,
                 |contribution| add(unshadowed(contribution)),
@@ -56,6 +54,11 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     if !algorithm.has_camera_walks || rules.max_depth == 0 {
         return;
     }
+    let light = LightSubpath {
+        store: &*store,
+        last,
+        start: &start,
+    };
     let mut walk = Walk::from_sensor(ray);
     let mut next = step::TRACE;
     while next == step::TRACE {
@@ -66,11 +69,8 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
             &mut walk,
             camera_sampler,
             &hit,
-            &mut bsdf,
-            &mut light_bsdf,
-            store,
-            last,
-            &start,
+            &mut points,
+            &light,
             |contribution| add(unshadowed(contribution)),
         );
         add(Contribution {

@@ -7,15 +7,14 @@
 //! choice is 6e-7.
 
 use super::primary_space::{PrimaryNumbers, PrimarySpace};
-use crate::bsdf::{Bsdf, mode, null_transmittance};
+use crate::bsdf::null_transmittance;
 use crate::math::{Rgb, float};
 use crate::path::rules::step;
 use crate::path::visibility::{contribution_transmittance, has_masks};
-use crate::path::{Connector, Contribution, Interaction, LightEnd, Walk};
+use crate::path::{Connector, Contribution, LightEnd, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::EmissionSample;
-use crate::scene::surface::{detail, surface_with};
-use crate::scene::{Hit, NONE, SurfacePoint, Tables, Traverse};
+use crate::scene::{Hit, NONE, Traverse};
 use crate::transport::bidirectional::Bidirectional;
 
 /// q of the header.
@@ -95,27 +94,25 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         if t == 0 {
             return self.lens_met(connector, light, light_walk, s);
         }
-        let mut light_bsdf = Bsdf::BLACK;
         let mut light_end = Arrival::NONE;
         if s > 1 {
-            light_end = self.arrive(connector, &mut light_walk, light, s - 1, &mut light_bsdf);
+            light_end = self.arrive(connector, &mut light_walk, light, s - 1);
             if !light_end.is_there {
                 return Contribution::NONE;
             }
         }
         let from = light_walk.subpath.ray.direction;
-        let light_at = Interaction::new(&light_end.point, &light_bsdf, from);
+        let light_at = light_end.site.interaction(from);
         if t == 1 {
             let u_lens = light.next_2d();
             let (beta, weights) = (light_walk.subpath.throughput, light_walk.arrived);
             return connector.to_lens(beta, weights, s - 1, &light_at, u_lens);
         }
-        let mut bsdf = Bsdf::BLACK;
-        let end = self.arrive(connector, &mut camera_walk, sensor, t - 1, &mut bsdf);
+        let end = self.arrive(connector, &mut camera_walk, sensor, t - 1);
         if !end.is_there {
             return Contribution::NONE;
         }
-        let at = Interaction::new(&end.point, &bsdf, camera_walk.subpath.ray.direction);
+        let at = end.site.interaction(camera_walk.subpath.ray.direction);
         if s > 1 {
             let vertex = light_walk.vertex(&light_end.hit, &light_at, NONE);
             connector.inner(&LightEnd::new(&vertex, light_at), &camera_walk, &at)
@@ -135,23 +132,16 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         walk: &mut Walk,
         sampler: &mut S,
         depth: u32,
-        bsdf: &mut Bsdf,
+        site: &mut ShadingPoint,
     ) -> bool {
         let h = connector.strategies.heuristic;
         while walk.subpath.depth < depth {
-            let (hit, point) = self.meet(walk, sampler);
-            if !hit.is_hit() {
-                return false;
+            let hit = self.meet(walk, sampler);
+            let (_, mut next) = connector.arrive(walk, &hit, site);
+            if next == step::SCATTER {
+                let at = site.interaction(walk.subpath.ray.direction);
+                next = walk.scatter(connector.tables, &connector.rules, h, sampler, &at);
             }
-            let is_hidden = is_hidden(connector, walk, &point);
-            let next = if is_hidden {
-                walk.subpath.skip_surface(&point)
-            } else if self.stand(connector, walk, &point, bsdf) {
-                let at = Interaction::new(&point, bsdf, walk.subpath.ray.direction);
-                walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
-            } else {
-                step::END
-            };
             if next != step::TRACE {
                 return false;
             }
@@ -167,20 +157,22 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         walk: &mut Walk,
         sampler: &mut S,
         edges: u32,
-        bsdf: &mut Bsdf,
     ) -> Arrival {
         let tables = connector.tables;
-        if !self.follow(connector, walk, sampler, edges - 1, bsdf) {
-            return Arrival::NONE;
+        let mut arrival = Arrival::NONE;
+        let site = &mut arrival.site;
+        if !self.follow(connector, walk, sampler, edges - 1, site) {
+            return arrival;
         }
         loop {
-            let (hit, point) = self.meet(walk, sampler);
-            if !hit.is_hit() {
-                return Arrival::NONE;
+            arrival.hit = self.meet(walk, sampler);
+            if !arrival.hit.is_hit() {
+                return arrival;
             }
-            let mut passes = is_hidden(connector, walk, &point);
-            if !passes && has_masks(tables, &point) {
-                let through = null_transmittance(tables, &point);
+            site.find(tables, &walk.subpath.ray, &arrival.hit);
+            let mut passes = connector.is_hidden(walk, &site.point);
+            if !passes && has_masks(tables, &site.point) {
+                let through = null_transmittance(tables, &site.point);
                 let p_through = through.max_element().min(1.0);
                 passes = sampler.next_1d() < p_through;
                 walk.subpath.throughput *= if passes {
@@ -190,54 +182,22 @@ impl<T: Traverse> PrimarySpace<'_, T> {
                 };
             }
             if passes {
-                if walk.subpath.skip_surface(&point) != step::TRACE {
-                    return Arrival::NONE;
+                if walk.subpath.skip_surface(&site.point) != step::TRACE {
+                    return arrival;
                 }
                 continue;
             }
-            return Arrival {
-                is_there: self.stand(connector, walk, &point, bsdf) && bsdf.has_smooth(),
-                point,
-                hit,
-            };
+            let (_, next) = connector.arrive_at(walk, site);
+            arrival.is_there = next == step::SCATTER && site.bsdf.has_smooth();
+            return arrival;
         }
     }
 
     /// What a walk's ray meets; what is drawn there begins with the numbers of its own bounce.
     #[inline]
-    fn meet<S: Sampler>(&self, walk: &Walk, sampler: &mut S) -> (Hit, SurfacePoint) {
+    fn meet<S: Sampler>(&self, walk: &Walk, sampler: &mut S) -> Hit {
         sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
-        let hit = self.view.traverse.closest_hit(&walk.subpath.ray);
-        let point = if hit.is_hit() {
-            surface_with::<{ detail::TANGENTS }>(&self.view.tables, &walk.subpath.ray, &hit)
-        } else {
-            SurfacePoint::ZERO
-        };
-        (hit, point)
-    }
-
-    /// Arrives at a surface and looks its material up; says whether the walk may stand there.
-    #[inline]
-    fn stand(
-        &self,
-        connector: &Connector<'_>,
-        walk: &mut Walk,
-        point: &SurfacePoint,
-        bsdf: &mut Bsdf,
-    ) -> bool {
-        let back = -walk.subpath.ray.direction;
-        let wi = point.frame.to_local(back);
-        if !connector.rules.allows(point, back, wi.z) {
-            return false;
-        }
-        walk.update_weights(
-            connector.tables,
-            &connector.rules,
-            &connector.strategies,
-            point,
-        );
-        bsdf.look_up(connector.tables, point, wi, mode::RADIANCE);
-        true
+        self.view.traverse.closest_hit(&walk.subpath.ray)
     }
 
     /// s = 0: emission that a camera walk meets after t - 1 edges, behind masks too.
@@ -252,25 +212,16 @@ impl<T: Traverse> PrimarySpace<'_, T> {
             t,
             ..Contribution::NONE
         };
-        let mut bsdf = Bsdf::BLACK;
-        if !self.follow(connector, &mut walk, sensor, t - 2, &mut bsdf) {
+        let mut site = ShadingPoint::NONE;
+        if !self.follow(connector, &mut walk, sensor, t - 2, &mut site) {
             return found;
         }
         let mut next = step::TRACE;
         while next == step::TRACE {
-            let (hit, point) = self.meet(&walk, sensor);
-            if !hit.is_hit() {
-                found.value += connector.escaped(&walk);
-                break;
-            }
-            if is_hidden(connector, &walk, &point) {
-                next = walk.subpath.skip_surface(&point);
-                continue;
-            }
-            let tables = connector.tables;
-            walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-            found.value += connector.emitted(&walk, &point);
-            next = pass_masks(tables, &mut walk, &point);
+            let hit = self.meet(&walk, sensor);
+            let (value, after) = connector.arrive(&mut walk, &hit, &mut site);
+            found.value += value;
+            next = after;
         }
         found
     }
@@ -283,15 +234,14 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         mut walk: Walk,
         s: u32,
     ) -> Contribution {
-        let mut bsdf = Bsdf::BLACK;
-        if !self.follow(connector, &mut walk, light, s - 2, &mut bsdf) {
+        let mut site = ShadingPoint::NONE;
+        if !self.follow(connector, &mut walk, light, s - 2, &mut site) {
             return Contribution::NONE;
         }
         loop {
-            let (hit, point) = self.meet(&walk, light);
+            let hit = self.meet(&walk, light);
             let met = connector.lens_met(&walk, hit.t);
-            let is_over = met.is_some() || !hit.is_hit();
-            if is_over || pass_masks(connector.tables, &mut walk, &point) != step::TRACE {
+            if met.is_some() || connector.arrive(&mut walk, &hit, &mut site).1 != step::TRACE {
                 return met;
             }
         }
@@ -301,32 +251,16 @@ impl<T: Traverse> PrimarySpace<'_, T> {
 /// Where a walk arrived to be connected.
 struct Arrival {
     is_there: bool,
-    point: SurfacePoint,
+    site: ShadingPoint,
     hit: Hit,
 }
 
 impl Arrival {
     const NONE: Arrival = Arrival {
         is_there: false,
-        point: SurfacePoint::ZERO,
+        site: ShadingPoint::NONE,
         hit: Hit::MISS,
     };
-}
-
-/// On the last edge: goes straight on with what masks let pass; says what is next, one of [`step`].
-#[inline]
-fn pass_masks(tables: &Tables<'_>, walk: &mut Walk, point: &SurfacePoint) -> u32 {
-    if has_masks(tables, point) {
-        walk.subpath.continue_through_masks(tables, point)
-    } else {
-        step::END
-    }
-}
-
-/// Whether a walk from the sensor does not see the surface.
-#[inline]
-fn is_hidden(connector: &Connector<'_>, walk: &Walk, point: &SurfacePoint) -> bool {
-    walk.mode == mode::RADIANCE && walk.subpath.is_hidden(&connector.rules, point)
 }
 
 /// Number of edges of a path and the probability of the choice.

@@ -28,15 +28,13 @@ use super::cache::PhotonCache;
 use super::estimate::{KERNEL, for_photons_within, scattered};
 use super::schedule;
 use super::tracing::{PhotonTracer, is_the_only_way};
-use crate::bsdf::{Bsdf, mode};
 use crate::math::{Rgb, float, vec3};
 use crate::path::rules::step;
 use crate::path::{
-    Connector, Contribution, Heuristic, Interaction, PartialWeights, Strategies, Walk,
+    Connector, Contribution, Heuristic, Interaction, PartialWeights, ShadingPoint, Strategies, Walk,
 };
 use crate::regularize::mollifier;
 use crate::sampler::Sampler;
-use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, Tables};
 use crate::transport::settings::IntegratorSettings;
 use glam::Vec3;
@@ -107,32 +105,19 @@ impl<'a> Progressive<'a> {
         walk: &mut Walk,
         sampler: &mut S,
         hit: &Hit,
-        bsdf: &mut Bsdf,
+        site: &mut ShadingPoint,
         emitted: u32,
         mut gather: impl FnMut(&Walk, &Interaction<'_>, bool) -> Rgb,
         mut add: impl FnMut(Contribution),
     ) -> (Rgb, u32) {
         let connector = &self.connector;
-        let tables = connector.tables;
-        if !hit.is_hit() {
-            return (connector.escaped(walk), step::END);
-        }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
-        if walk.subpath.is_hidden(&connector.rules, &point) {
-            return (Vec3::ZERO, walk.subpath.skip_surface(&point));
-        }
-        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-        let mut found = connector.emitted(walk, &point);
+        let (mut found, next) = connector.arrive(walk, hit, site);
         // No strategy has more than one vertex on the light's side.
         walk.arrived = PartialWeights::NONE;
-        let next = walk.subpath.arrive(tables, &connector.rules, &point);
         if next != step::SCATTER {
             return (found, next);
         }
-        let direction = walk.subpath.ray.direction;
-        let wi = walk.subpath.local_direction(&point);
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        let at = Interaction::new(&point, bsdf, direction);
+        let (bsdf, at) = (&site.bsdf, site.interaction(walk.subpath.ray.direction));
         let is_rough = bsdf.has_smooth() && bsdf.roughness() >= self.gather_roughness;
         if bsdf.has_smooth() {
             let u_select = sampler.next_1d();
@@ -156,7 +141,7 @@ impl<'a> Progressive<'a> {
         }
         let depth = walk.subpath.depth;
         let h = connector.strategies.heuristic;
-        let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
+        let next = walk.scatter(connector.tables, &connector.rules, h, sampler, &at);
         let is_smooth = walk.subpath.depth > depth && walk.weights.d_vcm > 0.0;
         if is_rough && is_smooth {
             return (found, step::END);

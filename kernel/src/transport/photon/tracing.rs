@@ -3,13 +3,12 @@
 //! Walks start and scatter as those of bidirectional path tracing; a photon is kept where a camera walk may gather it.
 
 use super::cache::Photon;
-use crate::bsdf::{Bsdf, mode};
+use crate::bsdf::Bsdf;
 use crate::path::rules::step;
-use crate::path::{Connector, Interaction, Walk};
+use crate::path::{Connector, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::Hit;
 use crate::scene::emitter::emission::{self, EmissionSample};
-use crate::scene::surface::{detail, surface_with};
 use glam::Vec3;
 
 /// Where photons are kept.
@@ -40,30 +39,22 @@ impl PhotonTracer<'_> {
     }
 
     /// One bounce of a light walk, from what its ray meets to its next ray; keeps the photon where
-    /// a camera walk may gather it. Says what is next, [`step::TRACE`] or [`step::END`]. `bsdf` is room for the surface's.
+    /// a camera walk may gather it. Says what is next, [`step::TRACE`] or [`step::END`]. `site` is room for the surface.
     pub fn light_bounce<S: Sampler, P: PhotonStore>(
         &self,
         walk: &mut Walk,
         sampler: &mut S,
         hit: &Hit,
-        bsdf: &mut Bsdf,
+        site: &mut ShadingPoint,
         store: &mut P,
     ) -> u32 {
         let connector = &self.connector;
-        let tables = connector.tables;
-        if !hit.is_hit() || !connector.allows_edges(walk.subpath.depth.saturating_add(2)) {
-            return step::END;
-        }
-        let point = surface_with::<{ detail::TANGENTS }>(tables, &walk.subpath.ray, hit);
-        let next = walk.subpath.arrive(tables, &connector.rules, &point);
+        let (_, next) = connector.arrive(walk, hit, site);
         if next != step::SCATTER {
             return next;
         }
+        let point = &site.point;
         let direction = walk.subpath.ray.direction;
-        let wi = walk.subpath.local_direction(&point);
-        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-        bsdf.look_up(tables, &point, wi, mode::RADIANCE);
-        let at = Interaction::new(&point, bsdf, direction);
         let photon = Photon {
             direction: direction.to_array(),
             throughput: walk.subpath.throughput.to_array(),
@@ -72,11 +63,12 @@ impl PhotonTracer<'_> {
             d_vc: walk.arrived.d_vc,
             depth: walk.subpath.depth + 1,
         };
-        if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(bsdf, &photon) {
+        if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(&site.bsdf, &photon) {
             store.push(point.position, &photon);
         }
         let h = connector.strategies.heuristic;
-        walk.scatter(tables, &connector.rules, h, sampler, &at)
+        let at = site.interaction(direction);
+        walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
     }
 
     /// Whether a camera walk gathers photons at a surface: at rough ones all, at others those whose paths nothing else finds.

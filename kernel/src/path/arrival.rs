@@ -1,0 +1,88 @@
+//! The arrival of a walk at a surface, the same for all walks that are connected, merged or kept as photons.
+//!
+//! ```text
+//! surface point -> hidden emitter? -> partial sums of the weights -> emission -> depth, masks, strict normals -> BSDF
+//! ```
+//!
+//! What the steps look up lies in a [`ShadingPoint`], which the caller lends: it is large, and every bounce writes it anew.
+
+use super::connection::Connector;
+use super::evaluation::Interaction;
+use super::rules::step;
+use super::walk::Walk;
+use crate::bsdf::{Bsdf, mode};
+use crate::math::{Ray, Rgb};
+use crate::scene::surface::{detail, surface_with};
+use crate::scene::{Hit, SurfacePoint, Tables};
+use glam::Vec3;
+
+/// A surface point with its BSDF, for radiance.
+#[derive(Clone, Copy)]
+pub struct ShadingPoint {
+    /// The point.
+    pub point: SurfacePoint,
+    /// Its BSDF; that of an earlier point as long as it has not been looked up.
+    pub bsdf: Bsdf,
+}
+
+impl ShadingPoint {
+    /// Nothing yet.
+    pub const NONE: ShadingPoint = ShadingPoint {
+        point: SurfacePoint::ZERO,
+        bsdf: Bsdf::BLACK,
+    };
+
+    /// The point that `ray` has hit.
+    #[inline]
+    pub fn find(&mut self, tables: &Tables<'_>, ray: &Ray, hit: &Hit) {
+        self.point = surface_with::<{ detail::TANGENTS }>(tables, ray, hit);
+    }
+
+    /// The BSDF as a walk along the unit world `direction` meets it.
+    #[inline]
+    pub fn look_up(&mut self, tables: &Tables<'_>, direction: Vec3) {
+        let wi = self.point.frame.to_local(-direction);
+        self.bsdf.look_up(tables, &self.point, wi, mode::RADIANCE);
+    }
+
+    /// What a walk along the unit world `direction`, for which the BSDF was looked up, evaluates here.
+    #[inline]
+    pub fn interaction(&self, direction: Vec3) -> Interaction<'_> {
+        Interaction::new(&self.point, &self.bsdf, direction)
+    }
+}
+
+impl Connector<'_> {
+    /// What a walk does where its ray ends: the radiance that a camera walk has met, unweighted by visibility, and what is next,
+    /// one of [`step`]. Where that is [`step::SCATTER`], all of `site` has been looked up.
+    #[inline]
+    pub fn arrive(&self, walk: &mut Walk, hit: &Hit, site: &mut ShadingPoint) -> (Rgb, u32) {
+        if !hit.is_hit() {
+            return (self.escaped(walk), step::END);
+        }
+        site.find(self.tables, &walk.subpath.ray, hit);
+        if self.is_hidden(walk, &site.point) {
+            return (Vec3::ZERO, walk.subpath.skip_surface(&site.point));
+        }
+        self.arrive_at(walk, site)
+    }
+
+    /// [`Connector::arrive`] at the point of `site`, which the walk does not pass as a hidden emitter.
+    #[inline]
+    pub fn arrive_at(&self, walk: &mut Walk, site: &mut ShadingPoint) -> (Rgb, u32) {
+        let tables = self.tables;
+        walk.update_weights(tables, &self.rules, &self.strategies, &site.point);
+        let found = self.emitted(walk, &site.point);
+        let next = walk.subpath.arrive(tables, &self.rules, &site.point);
+        if next == step::SCATTER {
+            site.look_up(tables, walk.subpath.ray.direction);
+        }
+        (found, next)
+    }
+
+    /// Whether a walk from the sensor does not see the surface.
+    #[inline]
+    pub fn is_hidden(&self, walk: &Walk, point: &SurfacePoint) -> bool {
+        walk.mode == mode::RADIANCE && walk.subpath.is_hidden(&self.rules, point)
+    }
+}

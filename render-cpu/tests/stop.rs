@@ -45,11 +45,7 @@ fn a_pass_takes_nothing_once_it_is_to_stop() {
         let scene = scene(integrator, 64);
         let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
         let options = options(Goal::Samples(4), false);
-        let mut backend = CpuBackend {
-            scene: &scene,
-            accel: &accel,
-            options: &options,
-        };
+        let mut backend = CpuBackend::new(&scene, &accel, &options);
         let mut film = empty(&scene);
         let asked = AtomicBool::new(true);
         let now = Instant::now();
@@ -157,11 +153,7 @@ fn a_lower_goal_is_met_where_a_pass_was_cut() {
     let scene = scene("path", 32);
     let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
     let four = options(Goal::Samples(4), false);
-    let mut backend = CpuBackend {
-        scene: &scene,
-        accel: &accel,
-        options: &four,
-    };
+    let mut backend = CpuBackend::new(&scene, &accel, &four);
     let mut film = empty(&scene);
     let counts: Vec<u32> = (0..film.statistics().len())
         .map(|i| if i % 3 == 0 { 2 } else { 5 })
@@ -216,11 +208,7 @@ fn a_large_layer_of_splats_is_taken_in_parts_alike() {
             .expect("threads");
         let mut film = empty(&scene);
         pool.install(|| {
-            let mut backend = CpuBackend {
-                scene: &scene,
-                accel: &accel,
-                options: &one,
-            };
+            let mut backend = CpuBackend::new(&scene, &accel, &one);
             backend.pass(&mut film, 1, None, &Stop::NEVER)
         })
         .expect("a pass");

@@ -57,13 +57,9 @@ fn occlusion_is_that_of_the_processor() {
             .pass(&mut on_device, 4, None, &Stop::NEVER)
             .expect("a pass");
         let mut on_cpu = film();
-        CpuBackend {
-            scene: &scene,
-            accel: &accel,
-            options: &options,
-        }
-        .pass(&mut on_cpu, 4, None, &Stop::NEVER)
-        .expect("a pass");
+        CpuBackend::new(&scene, &accel, &options)
+            .pass(&mut on_cpu, 4, None, &Stop::NEVER)
+            .expect("a pass");
         let (mut difference, mut sum, mut outside) = (0.0, 0.0, 0);
         for (a, b) in on_device.mean().iter().zip(&on_cpu.mean()) {
             difference += (a[0] - b[0]).abs();
@@ -182,13 +178,9 @@ fn surface_features_are_those_of_the_processor() {
             .pass(&mut on_device, 2, None, &Stop::NEVER)
             .expect("a pass");
         let mut on_cpu = Film::new(48, 48, [0, 0], aovs).expect("a film");
-        CpuBackend {
-            scene: &scene,
-            accel: &accel,
-            options: &options,
-        }
-        .pass(&mut on_cpu, 2, None, &Stop::NEVER)
-        .expect("a pass");
+        CpuBackend::new(&scene, &accel, &options)
+            .pass(&mut on_cpu, 2, None, &Stop::NEVER)
+            .expect("a pass");
         for layer in layers {
             let (mut difference, mut sum, mut outside) = (0.0, 0.0, 0);
             for pixel in 0..48 * 48 {

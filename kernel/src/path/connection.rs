@@ -17,10 +17,12 @@
 
 use super::contribution::Contribution;
 use super::evaluation::Interaction;
+use super::photon_density::PhotonDensity;
 use super::rules::PathRules;
 use super::strategies::Strategies;
 use super::vertex::LightEnd;
 use super::walk::Walk;
+use super::weight::Heuristic;
 use crate::bsdf::mode;
 use crate::math::{Rgb, float};
 use crate::scene::emitter::emission::{self, EmissionSample, light_cosine};
@@ -39,9 +41,22 @@ pub struct Connector<'a> {
     pub rules: PathRules,
     /// The strategies.
     pub strategies: Strategies,
+    /// Where photons are merged: how many there are.
+    pub photons: PhotonDensity<'a>,
 }
 
 impl Connector<'_> {
+    /// The heuristic of a vertex: merging counts as many samples as photons share a camera subpath there
+    /// ([`super::photon_density`]).
+    #[inline]
+    pub fn heuristic_at(&self, position: Vec3) -> Heuristic {
+        let mut h = self.strategies.heuristic;
+        if h.merging > 0.0 {
+            h.merging /= 1.0 + h.merging * self.photons.at(position);
+        }
+        h
+    }
+
     /// Emission of the surface that a camera walk has hit (s = 0); nothing for light walks.
     pub fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Rgb {
         let tables = self.tables;
@@ -170,7 +185,7 @@ impl Connector<'_> {
         if !scattered.is_some() {
             return Contribution::NONE;
         }
-        let h = self.strategies.heuristic;
+        let h = self.heuristic_at(at.point.position);
         let by_chance = if light.is_delta != 0 {
             0.0
         } else {
@@ -227,13 +242,14 @@ impl Connector<'_> {
         if !sent.is_some() {
             return Contribution::NONE;
         }
-        let h = self.strategies.heuristic;
+        let h = self.heuristic_at(at.point.position);
+        let h_light = self.heuristic_at(light.at.point.position);
         let cos_light = float::abs(light.at.point.geometric_normal.dot(direction));
         let cos_camera = float::abs(at.point.geometric_normal.dot(direction));
         let shorter_light =
             light
                 .weights
-                .sum(h, seen.pdf * cos_light / distance2, sent.pdf_reverse);
+                .sum(h_light, seen.pdf * cos_light / distance2, sent.pdf_reverse);
         let shorter_camera =
             walk.arrived
                 .sum(h, sent.pdf * cos_camera / distance2, seen.pdf_reverse);

@@ -43,7 +43,7 @@ impl Connector<'_> {
         if !scattered.is_some() {
             return Contribution::NONE;
         }
-        let h = self.strategies.heuristic;
+        let h = self.heuristic_at(point.position);
         let cosine = float::abs(point.geometric_normal.dot(seen.direction));
         let density = seen.importance * camera::pixels_per_window_pixel(&tables.camera);
         let light = weights.sum(h, density * cosine, scattered.pdf_reverse);

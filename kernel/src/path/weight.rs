@@ -27,7 +27,7 @@
 //! d_vc_i  = h(g_(i -> i-1) / p_i) [ h(eta) + d_vcm_(i-1) + h(r'_w) d_vc_(i-1) ],
 //! ```
 //!
-//! and merging at i competes with `[d_vcm_i + h(r_w) d_vc_i] / h(eta)` from each side. What SmallVCM carries apart as dVM is
+//! where eta may differ from vertex to vertex ([`super::photon_density`]), and merging at i competes with `[d_vcm_i + h(r_w) d_vc_i] / h(eta)` from each side. What SmallVCM carries apart as dVM is
 //! d_vc / h(eta). Where nothing is connected all d_vcm are zero.
 //!
 //! Cosines are those with geometric normals. At a specular vertex both densities are the same discrete probability and

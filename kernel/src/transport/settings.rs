@@ -169,7 +169,8 @@ pub struct BidirectionalSettings {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct PhotonSettings {
-    /// Light walks per pass.
+    /// Light walks per pass, zero for as many as the algorithm takes by itself
+    /// ([`crate::transport::photon::progressive::light_walks`]).
     pub photon_count: u32,
     /// How slowly radii shrink ([`crate::transport::photon::schedule`]).
     pub alpha: f32,
@@ -186,9 +187,9 @@ pub struct PhotonSettings {
 }
 
 impl PhotonSettings {
-    /// Mitsuba 0.6's number of photons, and the alpha of least error.
+    /// As many photons as the algorithm takes by itself, and the alpha of least error.
     pub const DEFAULT: PhotonSettings = PhotonSettings {
-        photon_count: 250_000,
+        photon_count: 0,
         alpha: OPTIMAL_ALPHA,
         initial_radius: 0.0,
         gather_roughness: 0.15,

@@ -123,11 +123,7 @@ pub(crate) fn run(
         interrupted: false,
     };
     let outcome = py.detach(|| {
-        let mut threads = CpuBackend {
-            scene,
-            accel,
-            options,
-        };
+        let mut threads = CpuBackend::new(scene, accel, options);
         let mut backend = Interruptible {
             backend: &mut threads,
             seconds_per_sample: None,

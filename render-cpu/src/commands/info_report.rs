@@ -207,11 +207,7 @@ fn cost(scene: &Scene, accel: &Accel) -> Cost {
         first_sample: 0,
         adaptive: false,
     };
-    let mut threads = CpuBackend {
-        scene,
-        accel,
-        options: &options,
-    };
+    let mut threads = CpuBackend::new(scene, accel, &options);
     // Pixels from all over the image, an odd number apart so that they do not stand in columns.
     let every = (pixels / TRIAL_SAMPLES).max(1) | 1;
     let of_each = (TRIAL_SAMPLES / pixels).clamp(1, 16) as u32;

@@ -120,11 +120,7 @@ pub fn run_task(
         checkpoint: CheckpointFile::new(path.clone(), settings, interval, &state),
     };
     let options = plan.options(share);
-    let mut threads = CpuBackend {
-        scene: &scene,
-        accel: &accel,
-        options: &options,
-    };
+    let mut threads = CpuBackend::new(&scene, &accel, &options);
     let mut own_pixels;
     let backend: &mut dyn Backend = if plan.division == Division::Pixels {
         let [width, height] = [film.width(), film.height()];

@@ -123,7 +123,7 @@ impl BidirectionalWorkspace {
         }
         let mut algorithm = Bidirectional::new(&view.tables, settings);
         if let Some(photons) = photons {
-            algorithm = algorithm.merging(photons.radius, photons.emitted);
+            algorithm = algorithm.merging(photons.radius, photons.emitted, photons.density);
         }
         self.trace_light(view, settings, &algorithm, samples, out);
         if algorithm.has_camera_walks {

@@ -5,6 +5,7 @@ use super::chains::render_groups;
 use super::options::{Outcome, RenderOptions, RunState};
 use super::own_layers::own_layers;
 use super::passes::render_passes;
+use super::pilot::PilotDensity;
 use super::run_loop::{NoObserver, Observer, render_with};
 use super::splatting::render_layers;
 use super::stop::Stop;
@@ -21,7 +22,7 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::IntegratorSettings;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Side of the square of pixels that a thread takes at a time.
 const TILE: u32 = 16;
@@ -70,11 +71,7 @@ pub fn render(
     stop: &AtomicBool,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, PassError> {
-    let mut threads = CpuBackend {
-        scene,
-        accel,
-        options,
-    };
+    let mut threads = CpuBackend::new(scene, accel, options);
     render_with(&mut threads, options, film, state, stop, observer)
 }
 
@@ -86,6 +83,20 @@ pub struct CpuBackend<'a> {
     pub accel: &'a Accel,
     /// Seed and first sample.
     pub options: &'a RenderOptions,
+    /// What vertex merging knows of its photons, once it has run.
+    pilot: OnceLock<PilotDensity>,
+}
+
+impl<'a> CpuBackend<'a> {
+    /// For a scene, its ray tracer, a seed and a first sample.
+    pub fn new(scene: &'a Scene, accel: &'a Accel, options: &'a RenderOptions) -> CpuBackend<'a> {
+        CpuBackend {
+            scene,
+            accel,
+            options,
+            pilot: OnceLock::new(),
+        }
+    }
 }
 
 impl Backend for CpuBackend<'_> {
@@ -133,11 +144,13 @@ impl Backend for CpuBackend<'_> {
             }
             Shape::Splats if is_sobol => {
                 let new = SobolSampler::new;
-                render_layers(&view, settings, options, film, per_pixel, new, stop)
+                let pilot = &self.pilot;
+                render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
             }
             Shape::Splats => {
                 let new = IndependentSampler::new;
-                render_layers(&view, settings, options, film, per_pixel, new, stop)
+                let pilot = &self.pilot;
+                render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
             }
             Shape::Chains => render_groups(&view, settings, options, film, per_pixel, stop),
         })

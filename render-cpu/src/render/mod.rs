@@ -16,6 +16,7 @@ mod photon_cache;
 mod photon_job;
 mod photon_pass;
 mod photon_statistics;
+mod pilot;
 pub mod progress;
 pub mod record;
 pub mod run_loop;

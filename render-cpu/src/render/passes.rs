@@ -13,12 +13,13 @@ use super::splatting::{pixel, tile_samples, tiles};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
+use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::photon::adaptive::{AdaptiveRadii, next_radii};
 use halflight_kernel::transport::photon::merging::PassPhotons;
-use halflight_kernel::transport::photon::progressive::{Progressive, pass_radius};
+use halflight_kernel::transport::photon::progressive::{Progressive, light_walks, pass_radius};
 use halflight_kernel::transport::photon::statistics::PhotonPass;
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -79,7 +80,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
         let photons = PhotonTask {
             view,
             tracer: algorithm.tracer(),
-            emitted: settings.photon.photon_count,
+            emitted: light_walks(&view.tables, settings),
             seed: self.seed,
             index: self.index,
         };
@@ -87,7 +88,8 @@ impl<T: Traverse + Sync> Pass<'_, T> {
         let photons = PassPhotons {
             cache: sorted.view(),
             radius: pass_radius(&view.tables, settings, self.index),
-            emitted: settings.photon.photon_count,
+            emitted: light_walks(&view.tables, settings),
+            density: PhotonDensity::UNKNOWN,
         };
         let is_adaptive = settings.kind == integrator_kind::ADAPTIVE_PHOTONS;
         let statistics = PixelStatistics::new(film);
@@ -100,8 +102,9 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 let mut samples = tile_samples(view, self.seed, self.index, tile, new);
                 let radii: Option<Vec<AdaptiveRadii>> = is_adaptive.then(|| {
                     let of_tile = statistics.of_tile(tile);
-                    let own = &settings.photon;
-                    of_tile.map(|s| next_radii(&view.tables, own, &s)).collect()
+                    of_tile
+                        .map(|s| next_radii(&view.tables, settings, &s))
+                        .collect()
                 });
                 let mut out = TileSamples::default();
                 let sums = self.idle.with(|workspace| {
@@ -132,7 +135,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 {
                     let mut statistics = statistics_of(numbers);
                     statistics.update(sums, photons.emitted as f32);
-                    let next = next_radii(&view.tables, &settings.photon, &statistics);
+                    let next = next_radii(&view.tables, settings, &statistics);
                     keep(numbers, &statistics, next.radius);
                 }
                 if needs_surface {

@@ -12,21 +12,23 @@ use super::bidirectional_job::{BidirectionalWorkspace, TileSample, TileSamples};
 use super::options::RenderOptions;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
+use super::pilot::PilotDensity;
 use super::splat::{Splat, SplatFilter};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
 use glam::Vec3;
+use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::bidirectional::Bidirectional;
 use halflight_kernel::transport::photon::merging::{PassPhotons, merging_tracer};
-use halflight_kernel::transport::photon::progressive::pass_radius;
+use halflight_kernel::transport::photon::progressive::{light_walks, pass_radius};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::slice::ParallelSliceMut;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Side of the square of pixels whose samples are traced together.
 const TILE: u32 = 32;
@@ -52,13 +54,24 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     layers: u32,
     new: impl Fn(u32, u32, u32) -> S + Sync,
     stop: &Stop<'_>,
+    pilot: &OnceLock<PilotDensity>,
 ) -> PassEnd {
     let tiles = tiles(film, TILE);
     let mut together = (TILES_AT_A_TIME / tiles.len()).clamp(1, 64) as u32;
     let merges = settings.kind == integrator_kind::VERTEX_MERGING;
     if merges {
-        together = together.min((PHOTONS_AT_A_TIME / settings.photon.photon_count).max(1));
+        together = together.min((PHOTONS_AT_A_TIME / light_walks(&view.tables, settings)).max(1));
     }
+    if merges && pilot.get().is_none() {
+        let Some(counted) = PilotDensity::trace(view, settings, options.seed, stop, &new) else {
+            return PassEnd::Cut;
+        };
+        // Nobody else sets it: a backend takes one pass at a time.
+        let _ = pilot.set(counted);
+    }
+    let density = pilot
+        .get()
+        .map_or(PhotonDensity::UNKNOWN, PilotDensity::view);
     let idle_tracers = Idle::new();
     let filter = SplatFilter::new(&view.tables.camera);
     let idle = Mutex::new(Vec::new());
@@ -71,7 +84,16 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         let layers_photons: Option<Vec<SortedPhotons>> = (0..if merges { count } else { 0 })
             .map(|layer| {
                 let layer = first.wrapping_add(layer);
-                trace_photons(view, settings, options, layer, &idle_tracers, stop, &new)
+                trace_photons(
+                    view,
+                    settings,
+                    options,
+                    layer,
+                    density,
+                    &idle_tracers,
+                    stop,
+                    &new,
+                )
             })
             .collect();
         let Some(layers_photons) = layers_photons else {
@@ -94,7 +116,8 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     let photons = layers_photons.get(in_group).map(|sorted| PassPhotons {
                         cache: sorted.view(),
                         radius: pass_radius(&view.tables, settings, layer),
-                        emitted: settings.photon.photon_count,
+                        emitted: light_walks(&view.tables, settings),
+                        density,
                     });
                     let tile = tiles[task % tiles.len()];
                     let mut samples = tile_samples(view, options.seed, layer, tile, &new);
@@ -138,13 +161,14 @@ fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     settings: &IntegratorSettings,
     options: &RenderOptions,
     layer: u32,
+    density: PhotonDensity<'_>,
     idle: &Idle,
     stop: &Stop<'_>,
     new: &(impl Fn(u32, u32, u32) -> S + Sync),
 ) -> Option<SortedPhotons> {
-    let emitted = settings.photon.photon_count;
+    let emitted = light_walks(&view.tables, settings);
     let radius = pass_radius(&view.tables, settings, layer);
-    let algorithm = Bidirectional::new(&view.tables, settings).merging(radius, emitted);
+    let algorithm = Bidirectional::new(&view.tables, settings).merging(radius, emitted, density);
     let photons = PhotonTask {
         view,
         tracer: merging_tracer(&algorithm.connector),

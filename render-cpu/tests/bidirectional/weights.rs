@@ -1,11 +1,12 @@
 //! Weights by recursion against densities of all strategies that are multiplied out, path by path.
 
 use crate::scenes::{LAMP, PINHOLE, View, room, scene, with_view};
+use glam::Vec3;
 use halflight::scene::build::Scene;
 use halflight_kernel::bsdf::{Bsdf, mode};
 use halflight_kernel::path::rules::step;
 use halflight_kernel::path::{
-    Connector, Contribution, Interaction, LightEnd, PathVertex, ShadingPoint, Walk,
+    Connector, Contribution, Interaction, LightEnd, PathVertex, PhotonDensity, ShadingPoint, Walk,
 };
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::emitter;
@@ -43,9 +44,9 @@ fn per_area(from: &SurfacePoint, to: &SurfacePoint) -> f64 {
     f64::from(to.geometric_normal.dot(d.normalize()).abs() / d.length_squared())
 }
 
-/// Densities of the strategies s = 0 ... k of a path, and of merging at its vertices 1 ... k - 1 with `eta` photons per density, of smooth vertices from an area light (the first point) to a pinhole
-/// (the last).
-fn densities(tables: &Tables<'_>, path: &[SurfacePoint], eta: f64) -> Vec<f64> {
+/// Densities of the strategies s = 0 ... k of a path, and of merging at its vertices 1 ... k - 1, each with
+/// `eta` of its position as the area of a photon, of smooth vertices from an area light (the first point) to a pinhole (the last).
+fn densities(tables: &Tables<'_>, path: &[SurfacePoint], eta: impl Fn(Vec3) -> f64) -> Vec<f64> {
     let k = path.len() - 1;
     let direction = (path[1].position - path[0].position).normalize();
     let emitted = emission::density(tables, path[0].emitter, &path[0], direction);
@@ -84,7 +85,7 @@ fn densities(tables: &Tables<'_>, path: &[SurfacePoint], eta: f64) -> Vec<f64> {
     // Sampled from both ends: light walks emit their first vertex, whatever next event estimation would do.
     let merged = (1..k).map(|i| {
         let light: f64 = forward[..=i].iter().product();
-        eta * light * reverse[i..].iter().product::<f64>()
+        eta(path[i].position) * light * reverse[i..].iter().product::<f64>()
     });
     connected.iter().copied().chain(merged).collect()
 }
@@ -127,14 +128,22 @@ fn check_sample(
     is_power: bool,
     (radius, emitted): (f32, u32),
 ) -> u32 {
-    let eta = f64::from(merging_share(radius, emitted));
+    let n_area = f64::from(merging_share(radius, emitted));
+    // Any function of the position does.
+    let counts: Vec<u32> = (0..64).map(|i| i * i % 61).collect();
+    let density = PhotonDensity {
+        counts: &counts,
+        cells_per_length: 4.0,
+        per_count: 0.05,
+    };
+    let eta = |position: Vec3| n_area / (1.0 + n_area * f64::from(density.at(position)));
     let tables = &view.tables;
     let mut settings = scene.settings;
     settings.kind = integrator_kind::BIDIRECTIONAL;
     settings.rules.max_depth = 7;
     settings.rules.rr_depth = 100;
     settings.bidirectional.power_heuristic = is_power.into();
-    let algorithm = Bidirectional::new(tables, &settings).merging(radius, emitted);
+    let algorithm = Bidirectional::new(tables, &settings).merging(radius, emitted, density);
     let connector = |unweighted: bool| {
         let mut strategies = algorithm.connector.strategies;
         strategies.unweighted = unweighted;
@@ -179,7 +188,7 @@ fn check_sample(
         }
     };
     for (i, vertex) in store.0.iter().enumerate() {
-        let at = light_sites[i].interaction(glam::Vec3::from_array(vertex.direction));
+        let at = light_sites[i].interaction(Vec3::from_array(vertex.direction));
         let mut path = vec![start.point];
         path.extend(light_sites[..=i].iter().map(|site| site.point));
         let end = LightEnd::new(vertex, at);
@@ -202,7 +211,7 @@ fn check_sample(
             let sent = end.at.evaluate(tables, rules, mode::IMPORTANCE, direction);
             let cosines =
                 [end.at.point, &other.point].map(|p| p.geometric_normal.dot(direction).abs());
-            let h = connector(false).strategies.heuristic;
+            let h = connector(false).heuristic_at(end.at.point.position);
             let photon = end
                 .weights
                 .scatter(h, sent.pdf, sent.pdf_reverse, cosines[0])
@@ -216,11 +225,12 @@ fn check_sample(
                         &other.walk,
                         seen.pdf,
                         seen.pdf_reverse,
+                        other.point.position,
                     );
                     f64::from(w)
                 });
                 let k = whole.len() - 1;
-                compare(weight.filter(|_| eta > 0.0), &whole, k + 1 + (i + 2) - 1);
+                compare(weight.filter(|_| n_area > 0.0), &whole, k + 1 + (i + 2) - 1);
             }
         }
     }
@@ -257,10 +267,11 @@ fn check_sample(
                 &vertex.walk,
                 seen.pdf,
                 seen.pdf_reverse,
+                vertex.point.position,
             );
             f64::from(w)
         });
-        compare(merged.filter(|_| eta > 0.0), &path, path.len());
+        compare(merged.filter(|_| n_area > 0.0), &path, path.len());
         let emitted = weight(|plain| Contribution {
             value: connector(plain).emitted(&vertex.walk, &vertex.point),
             ..Contribution::NONE
@@ -327,7 +338,7 @@ fn camera_walk(
         let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
         vertices.push(CameraVertex { walk, point, bsdf });
         let at = Interaction::new(&point, &bsdf, walk.subpath.ray.direction);
-        let h = connector.strategies.heuristic;
+        let h = connector.heuristic_at(point.position);
         if walk.scatter(tables, &connector.rules, h, sampler, &at) != step::TRACE {
             break;
         }

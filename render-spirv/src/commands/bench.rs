@@ -64,11 +64,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
         Ok::<f64, Box<dyn Error + Send + Sync>>(samples as f64 / start.elapsed().as_secs_f64())
     };
     let on_device = measure(&mut backend)?;
-    let on_cpu = measure(&mut CpuBackend {
-        scene: &scene,
-        accel: &accel,
-        options: &options,
-    })?;
+    let on_cpu = measure(&mut CpuBackend::new(&scene, &accel, &options))?;
     let rays = rays_per_sample(&scene, &accel);
     let name = &device.description().name;
     print_line(format_args!("{}", args.scene.scene.display()))?;

@@ -88,13 +88,9 @@ pub fn compare(device: &Arc<Device>, scene: &Scene, spp: u32) -> Result<Differen
         .map_err(|e| format!("{e}"))?;
     let seconds = start.elapsed().as_secs_f64();
     let mut on_cpu = film();
-    CpuBackend {
-        scene,
-        accel: &accel,
-        options: &options,
-    }
-    .pass(&mut on_cpu, spp, None, &Stop::NEVER)
-    .map_err(|e| format!("{e}"))?;
+    CpuBackend::new(scene, &accel, &options)
+        .pass(&mut on_cpu, spp, None, &Stop::NEVER)
+        .map_err(|e| format!("{e}"))?;
     let (mut difference, mut sum, mut outside, mut not_finite) = (0.0, 0.0, 0, 0);
     for (a, b) in on_device.mean().iter().zip(&on_cpu.mean()) {
         not_finite += usize::from(a.iter().any(|x| !x.is_finite()));

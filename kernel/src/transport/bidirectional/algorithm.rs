@@ -3,8 +3,8 @@
 use crate::math::{Rgb, vec3};
 use crate::path::rules::step;
 use crate::path::{
-    Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, ShadingPoint,
-    Strategies, Walk,
+    Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, PhotonDensity,
+    ShadingPoint, Strategies, Walk,
 };
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
@@ -81,15 +81,23 @@ impl<'a> Bidirectional<'a> {
                     only_t: if traces_light { 1 } else { own.only_t },
                     unweighted: traces_light || own.unweighted != 0,
                 },
+                photons: PhotonDensity::UNKNOWN,
             },
             has_camera_walks: !traces_light,
         }
     }
 
-    /// With photons to merge, of a pass of `emitted` light walks that are merged within `radius`.
+    /// With photons to merge, of a pass of `emitted` light walks that are merged within `radius`, and what is known of how many
+    /// are found.
     #[must_use]
-    pub fn merging(mut self, radius: f32, emitted: u32) -> Bidirectional<'a> {
+    pub fn merging(
+        mut self,
+        radius: f32,
+        emitted: u32,
+        photons: PhotonDensity<'a>,
+    ) -> Bidirectional<'a> {
         self.connector.strategies.heuristic.merging = merging_share(radius, emitted);
+        self.connector.photons = photons;
         self
     }
 
@@ -163,7 +171,7 @@ impl<'a> Bidirectional<'a> {
                 }
             }
         }
-        let h = connector.strategies.heuristic;
+        let h = connector.heuristic_at(at.point.position);
         walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
     }
 
@@ -218,7 +226,7 @@ impl<'a> Bidirectional<'a> {
             }
             self.connect(walk, &at, &mut points.light, light, &mut add);
         }
-        let h = connector.strategies.heuristic;
+        let h = connector.heuristic_at(at.point.position);
         let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
         (found, next)
     }

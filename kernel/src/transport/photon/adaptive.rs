@@ -13,13 +13,14 @@
 
 use super::cache::PhotonCache;
 use super::estimate::{for_photons_within, scattered};
+use super::progressive::light_walks;
 use super::statistics::{PhotonPass, PhotonStatistics, Variance};
 use super::tracing::is_the_only_way;
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::path::{Connector, Interaction, Walk};
 use crate::regularize::mollifier;
 use crate::scene::Tables;
-use crate::transport::settings::PhotonSettings;
+use crate::transport::settings::IntegratorSettings;
 use glam::{Vec2, Vec3};
 
 /// Radii of a pixel in a pass.
@@ -35,19 +36,20 @@ pub struct AdaptiveRadii {
 /// that the settings allow.
 pub fn next_radii(
     tables: &Tables<'_>,
-    settings: &PhotonSettings,
+    settings: &IntegratorSettings,
     statistics: &PhotonStatistics,
 ) -> AdaptiveRadii {
     let scene = tables.info.radius;
-    let largest = settings.largest_radius * scene;
-    let least = (settings.least_radius * scene).min(largest);
+    let own = &settings.photon;
+    let largest = own.largest_radius * scene;
+    let least = (own.least_radius * scene).min(largest);
     if !(statistics.passes > 0.0) {
         return AdaptiveRadii {
             radius: largest,
             derivative: largest,
         };
     }
-    let emitted = settings.photon_count as f32;
+    let emitted = light_walks(tables, settings) as f32;
     AdaptiveRadii {
         radius: statistics.bandwidth(Variance::KERNEL, emitted, least, largest),
         derivative: statistics.curvature_bandwidth(least, largest),

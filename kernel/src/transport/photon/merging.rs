@@ -1,7 +1,7 @@
 //! Vertex merging: photons within a radius, each weighted against all other strategies that can make its path.
 //!
 //! Georgiev et al. 2012, "Light Transport Simulation with Vertex Connection and Merging"; weights as in
-//! [`crate::path::weight`]. With connections it is their algorithm, without it is bidirectional photon mapping (Vorba 2011).
+//! [`crate::path::weight`], with what a pilot pass knows of densities ([`crate::path::photon_density`]). With connections it is their algorithm, without it is bidirectional photon mapping (Vorba 2011).
 //! Radii shrink as in [`super::progressive`], and the estimate at a vertex is the same ([`super::estimate`]), so that merging
 //! without weights is photon mapping. The photons are those of light walks of their own, any number of them, and not of the
 //! walks that are connected: the weights know their number.
@@ -14,7 +14,7 @@ use super::tracing::PhotonTracer;
 use crate::bsdf::mode;
 use crate::math::{Rgb, float, vec3};
 use crate::path::weight::weight;
-use crate::path::{Connector, Interaction, Walk};
+use crate::path::{Connector, Interaction, PhotonDensity, Walk};
 use crate::regularize::mollifier;
 use core::f32::consts::PI;
 use glam::Vec3;
@@ -28,6 +28,8 @@ pub struct PassPhotons<'a> {
     pub radius: f32,
     /// Light walks that left them.
     pub emitted: u32,
+    /// What the weights know of how many are found.
+    pub density: PhotonDensity<'a>,
 }
 
 /// eta of the weights, for a radius and a number of light walks.
@@ -46,7 +48,7 @@ pub fn merging_tracer<'a>(connector: &Connector<'a>) -> PhotonTracer<'a> {
 }
 
 /// The weight of merging a photon with a camera walk: `pdf` is the density per solid angle with which the camera walk would
-/// go on to where the photon came from, `pdf_reverse` that of the photon to where the camera walk came from.
+/// go on to where the photon came from, `pdf_reverse` that of the photon to where the camera walk came from, at `position`.
 #[inline]
 pub fn merging_weight(
     connector: &Connector<'_>,
@@ -54,11 +56,12 @@ pub fn merging_weight(
     walk: &Walk,
     pdf: f32,
     pdf_reverse: f32,
+    position: Vec3,
 ) -> f32 {
     if connector.strategies.unweighted {
         return 1.0;
     }
-    let h = connector.strategies.heuristic;
+    let h = connector.heuristic_at(position);
     weight(
         photon.beside_merging(h, pdf),
         walk.arrived.beside_merging(h, pdf_reverse),
@@ -98,7 +101,14 @@ pub fn merge(
                 return;
             }
             let weights = photon.weights();
-            let weight = merging_weight(connector, weights, walk, seen.pdf, seen.pdf_reverse);
+            let weight = merging_weight(
+                connector,
+                weights,
+                walk,
+                seen.pdf,
+                seen.pdf_reverse,
+                at.point.position,
+            );
             let k = mollifier::eval_scaled(KERNEL, 2, float::sqrt(distance2), photons.radius);
             sum += vec3(photon.throughput) * seen.value * (k * weight / cosine);
         },

@@ -31,16 +31,34 @@ use super::tracing::{PhotonTracer, is_the_only_way};
 use crate::math::{Rgb, float, vec3};
 use crate::path::rules::step;
 use crate::path::{
-    Connector, Contribution, Heuristic, Interaction, PartialWeights, ShadingPoint, Strategies, Walk,
+    Connector, Contribution, Heuristic, Interaction, PartialWeights, PhotonDensity, ShadingPoint,
+    Strategies, Walk,
 };
 use crate::regularize::mollifier;
 use crate::sampler::Sampler;
 use crate::scene::{Hit, NONE, Tables};
-use crate::transport::settings::IntegratorSettings;
+use crate::transport::settings::{IntegratorSettings, integrator_kind};
 use glam::Vec3;
 
 /// The first radius where none is given, in shares of the scene's radius, one per pixel of the film's longer side.
 const PIXELS_OF_RADIUS: f32 = 5.0;
+
+/// Light walks of a pass where none are given: Mitsuba 0.6's number.
+const LIGHT_WALKS: u32 = 250_000;
+
+/// Light walks of a pass: as many as the settings say, else Mitsuba 0.6's number, and for vertex merging one per pixel of the
+/// crop window, because its camera walks, one per pixel too, find light by themselves.
+pub fn light_walks(tables: &Tables<'_>, settings: &IntegratorSettings) -> u32 {
+    let given = settings.photon.photon_count;
+    if given > 0 {
+        return given;
+    }
+    if settings.kind == integrator_kind::VERTEX_MERGING {
+        let [width, height] = tables.camera.crop_size;
+        return width.saturating_mul(height).max(1);
+    }
+    LIGHT_WALKS
+}
 
 /// The radius of the first pass: that of the settings, or as many pixels of the film as Mitsuba 0.6 takes, the scene's
 /// radius spread over the film.
@@ -83,6 +101,7 @@ impl<'a> Progressive<'a> {
                     only_t: NONE,
                     unweighted: false,
                 },
+                photons: PhotonDensity::UNKNOWN,
             },
             gather_roughness: settings.photon.gather_roughness,
         }

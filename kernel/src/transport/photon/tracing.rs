@@ -66,7 +66,7 @@ impl PhotonTracer<'_> {
         if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(&site.bsdf, &photon) {
             store.push(point.position, &photon);
         }
-        let h = connector.strategies.heuristic;
+        let h = connector.heuristic_at(point.position);
         let at = site.interaction(direction);
         walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
     }

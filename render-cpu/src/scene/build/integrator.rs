@@ -110,8 +110,9 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
 
 /// What photon mapping reads, under the names of Mitsuba 0.6.
 fn read_photon_settings(object: &Object, photon: &mut PhotonSettings) -> Result<(), SceneError> {
-    let count = i64::from(photon.photon_count);
-    photon.photon_count = object.get_int_in("photon_count", count, 1, MAX_PHOTONS)? as u32;
+    if object.properties.contains("photon_count") {
+        photon.photon_count = object.get_int_in("photon_count", 1, 1, MAX_PHOTONS)? as u32;
+    }
     photon.alpha = object.get_float_in("alpha", photon.alpha.into(), 0.0, 1.0)? as f32;
     photon.initial_radius = object.get_float_in("initial_radius", 0.0, 0.0, 1e30)? as f32;
     let (least, largest) = (photon.least_radius.into(), photon.largest_radius.into());

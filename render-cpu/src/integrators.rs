@@ -105,6 +105,21 @@ pub const INTEGRATORS: &[Integrator] = &[
         Chains,
         "Metropolis light transport in the space of paths",
     ),
+    also(
+        &["mept"],
+        integrator(
+            "memlt",
+            VEACH_MLT,
+            Chains,
+            "manifold exploration Metropolis light transport",
+        ),
+    ),
+    integrator(
+        "hslt",
+        VEACH_MLT,
+        Chains,
+        "half-vector space light transport",
+    ),
     integrator(
         "erpt",
         VEACH_MLT,

@@ -67,6 +67,12 @@ pub struct ChainVertex {
     pub alpha_axis: Vec2,
     /// Material of the surface.
     pub material: u32,
+    /// Where the surface was met: see [`SurfacePoint::barycentric`].
+    pub barycentric: Vec2,
+    /// See [`SurfacePoint::primitive`].
+    pub primitive: u32,
+    /// See [`SurfacePoint::instance`].
+    pub instance: u32,
 }
 
 impl ChainVertex {
@@ -86,6 +92,9 @@ impl ChainVertex {
         alpha: Vec2::ZERO,
         alpha_axis: Vec2::X,
         material: u32::MAX,
+        barycentric: Vec2::ZERO,
+        primitive: u32::MAX,
+        instance: 0,
     };
 
     /// A point on a surface with a pinned position; [`ChainVertex::scattering`] makes an inner vertex of it.
@@ -104,6 +113,9 @@ impl ChainVertex {
             normal: point.frame.n,
             reference,
             material: point.material,
+            barycentric: point.barycentric,
+            primitive: point.primitive,
+            instance: point.instance,
             ..ChainVertex::NONE
         };
         vertex.set_tangents(point.dp_du, point.dp_dv, point.dn_du, point.dn_dv);

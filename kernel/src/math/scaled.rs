@@ -48,6 +48,20 @@ impl Scaled {
         }
     }
 
+    /// The product with another.
+    #[inline]
+    pub fn product(self, other: Scaled) -> Scaled {
+        let product = self.times(other.mantissa);
+        Scaled {
+            mantissa: product.mantissa,
+            exponent: if product.mantissa == 0.0 {
+                0
+            } else {
+                product.exponent.wrapping_add(other.exponent)
+            },
+        }
+    }
+
     /// Sign: -1, 0 or 1.
     #[inline]
     pub fn sign(self) -> f32 {

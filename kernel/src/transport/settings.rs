@@ -101,6 +101,26 @@ pub struct ChainSettings {
     pub caustic_weight: f32,
     /// Of the multi-chain perturbation.
     pub multi_chain_weight: f32,
+    /// Of manifold exploration.
+    pub manifold_weight: f32,
+    /// Of the half-vector mutation.
+    pub half_vector_weight: f32,
+    /// How narrow the directions are into which manifold exploration turns paths (Mitsuba 0.6: `lambda`).
+    pub lambda: f32,
+    /// Bits of [`half_vector_flag`].
+    pub half_vector_flags: u32,
+    /// Steps of half vectors over those of least correlation on a lobe alone: gamma.
+    pub half_vector_step: f32,
+}
+
+/// What the half-vector mutation does otherwise than by default: bits.
+pub mod half_vector_flag {
+    /// The whole path moves in half-vector space, as in the original method, instead of breaking up.
+    pub const ORIGINAL: u32 = 1;
+    /// Steps from the largest roughness of a material instead of the local one.
+    pub const GLOBAL_ROUGHNESS: u32 = 2;
+    /// Half vectors projected onto the tangent plane, with Phong lobes, instead of slopes with Gaussians.
+    pub const PROJECTED: u32 = 4;
 }
 
 impl ChainSettings {
@@ -120,6 +140,11 @@ impl ChainSettings {
         lens_weight: 1.0,
         caustic_weight: 1.0,
         multi_chain_weight: 1.0,
+        manifold_weight: 0.0,
+        half_vector_weight: 0.0,
+        lambda: 50.0,
+        half_vector_flags: 0,
+        half_vector_step: 0.5,
     };
 
     /// Fewest mutations of a group: enough for its chains to be long and its start-up to be cheap.

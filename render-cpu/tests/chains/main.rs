@@ -4,6 +4,7 @@
 #[allow(dead_code)]
 mod agreement;
 mod brightness;
+mod half_vectors;
 mod promises;
 #[path = "../bidirectional/scenes.rs"]
 #[allow(dead_code)]

@@ -119,7 +119,8 @@ layouts! {
     photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness, connections, least_radius, largest_radius }
     chains, ChainSettings {
         technique, p_large, candidates, chains, mutations, direct_samples, chain_length, bidirectional_weight,
-        lens_weight, caustic_weight, multi_chain_weight
+        lens_weight, caustic_weight, multi_chain_weight, manifold_weight, half_vector_weight, lambda, half_vector_flags,
+        half_vector_step
     }
     constants, SceneConstants { camera, info, settings }
     item, WorkItem { pixel, sample, slot }

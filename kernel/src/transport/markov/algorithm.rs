@@ -2,6 +2,37 @@
 
 use super::state::Splat;
 
+/// Counts of what became of walks on manifolds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WalkCounts {
+    /// Walks, those back not counted.
+    pub walks: u64,
+    /// Walks that found a path.
+    pub found: u64,
+    /// Of those, the ones whose way back leads elsewhere.
+    pub irreversible: u64,
+    /// Iterations of all walks.
+    pub iterations: u64,
+    /// Iterations of the walks that found a path.
+    pub iterations_of_found: u64,
+    /// Jumps between sub-manifolds that led to a path.
+    pub jumps: u64,
+    /// Those that became the state.
+    pub accepted_jumps: u64,
+}
+
+impl WalkCounts {
+    fn merge(&mut self, other: &WalkCounts) {
+        self.walks += other.walks;
+        self.found += other.found;
+        self.irreversible += other.irreversible;
+        self.iterations += other.iterations;
+        self.iterations_of_found += other.iterations_of_found;
+        self.jumps += other.jumps;
+        self.accepted_jumps += other.accepted_jumps;
+    }
+}
+
 /// Counts of what became of proposals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MutationCounts {
@@ -11,6 +42,8 @@ pub struct MutationCounts {
     pub lit: u64,
     /// Proposals that became the state.
     pub accepted: u64,
+    /// Walks on manifolds that they made.
+    pub walks: WalkCounts,
 }
 
 impl MutationCounts {
@@ -19,6 +52,7 @@ impl MutationCounts {
         self.proposed += other.proposed;
         self.lit += other.lit;
         self.accepted += other.accepted;
+        self.walks.merge(&other.walks);
     }
 }
 

@@ -19,11 +19,13 @@
 //! - [`state`]: what a state adds to the image;
 //! - [`primary_space`]: paths as functions of primary samples: over `path`, over `bdpt`, and multiplexed (`multiplexed`);
 //! - [`primary_chain`]: chains of primary samples;
-//! - [`veach`]: chains of whole paths.
+//! - [`veach`]: chains of whole paths;
+//! - [`half_vector`]: their mutations in half-vector space.
 //!
 //! Hosts only: the records of a chain are long.
 
 pub mod algorithm;
+pub mod half_vector;
 mod multiplexed;
 pub mod primary_chain;
 pub mod primary_space;

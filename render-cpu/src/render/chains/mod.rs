@@ -158,6 +158,20 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
             counts.accepted as f64 / counts.proposed.max(1) as f64 * 100.0
         );
     }
+    for (name, counts) in algorithm.mutations().iter().zip(&image.counts) {
+        let walks = &counts.walks;
+        if walks.walks > 0 {
+            let share = |n: u64, of: u64| n as f64 / of.max(1) as f64;
+            tracing::debug!(
+                "group {group}, {name}: {} walks, {:.1} % succeed in {:.2} iterations ({:.2} in all), {:.2} % are not reversible",
+                walks.walks,
+                share(walks.found, walks.walks) * 100.0,
+                share(walks.iterations_of_found, walks.found),
+                share(walks.iterations, walks.walks),
+                share(walks.irreversible, walks.found) * 100.0
+            );
+        }
+    }
     let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
     add_to_film(view, settings, options, film, group, &image, scale as f32);
     true

@@ -3,7 +3,7 @@
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 use halflight_kernel::transport::markov::primary_space::technique;
-use halflight_kernel::transport::settings::ChainSettings;
+use halflight_kernel::transport::settings::{ChainSettings, half_vector_flag};
 
 /// Reads what the plugin says of chains.
 ///
@@ -35,15 +35,43 @@ pub(super) fn read_chains(object: &Object, chains: &mut ChainSettings) -> Result
         ("caustic_perturbation", &mut chains.caustic_weight),
         ("multi_chain_perturbation", &mut chains.multi_chain_weight),
     ] {
-        *weight = switch_or_weight(object, name)?;
+        *weight = switch_or_weight(object, name, true)?;
+    }
+    for (name, weight) in [
+        ("manifold_perturbation", &mut chains.manifold_weight),
+        ("half_vector_perturbation", &mut chains.half_vector_weight),
+    ] {
+        *weight = switch_or_weight(object, name, false)?;
+    }
+    chains.lambda = object.get_float_in("lambda", chains.lambda.into(), 1.0, 1e4)? as f32;
+    let step = chains.half_vector_step.into();
+    chains.half_vector_step = object.get_float_in("half_vector_step", step, 1e-3, 10.0)? as f32;
+    let flags = &mut chains.half_vector_flags;
+    for (name, flag) in [
+        ("original", half_vector_flag::ORIGINAL),
+        ("global_roughness", half_vector_flag::GLOBAL_ROUGHNESS),
+        ("projected_half_vectors", half_vector_flag::PROJECTED),
+    ] {
+        if object.get_bool(name, false)? {
+            *flags |= flag;
+        }
     }
     Ok(())
 }
 
+/// Chains of the bidirectional mutation and one other, the manifold exploration of `memlt` or the half-vector mutation of `hslt`.
+pub(super) fn with_bidirectional(chains: &mut ChainSettings, manifold: f32, half_vector: f32) {
+    chains.lens_weight = 0.0;
+    chains.caustic_weight = 0.0;
+    chains.multi_chain_weight = 0.0;
+    chains.manifold_weight = manifold;
+    chains.half_vector_weight = half_vector;
+}
+
 /// A mutation of `mlt`: on or off as in Mitsuba 0.6, or its weight in the choice.
-fn switch_or_weight(object: &Object, name: &str) -> Result<f32, SceneError> {
+fn switch_or_weight(object: &Object, name: &str, default: bool) -> Result<f32, SceneError> {
     let weight_name = format!("{name}_weight");
-    let is_on = object.get_bool(name, true)?;
+    let is_on = object.get_bool(name, default)?;
     let weight = object.get_float_in(&weight_name, 1.0, 0.0, 1e6)?;
     Ok(if is_on { weight as f32 } else { 0.0 })
 }

@@ -9,6 +9,9 @@ use crate::path::tracer::Tracer;
 use crate::sampler::{FreshSamples, Sampler, mix};
 use crate::scene::{SceneView, Traverse};
 use crate::transport::markov::algorithm::{ChainAlgorithm, MutationCounts};
+use crate::transport::markov::half_vector::{
+    HalfVectorSettings, half_vector_mutation, manifold_perturbation,
+};
 use crate::transport::markov::state::Splat;
 use crate::transport::settings::IntegratorSettings;
 
@@ -25,7 +28,9 @@ mod mutation {
     pub const LENS: usize = 1;
     pub const CAUSTIC: usize = 2;
     pub const MULTI_CHAIN: usize = 3;
-    pub const COUNT: usize = 4;
+    pub const MANIFOLD: usize = 4;
+    pub const HALF_VECTOR: usize = 5;
+    pub const COUNT: usize = 6;
 }
 
 /// The chains of a group.
@@ -35,6 +40,8 @@ pub struct VeachChains<'a, T: Traverse> {
     limits: [usize; 2],
     /// Weights in the choice of a mutation.
     weights: [f32; mutation::COUNT],
+    lambda: f32,
+    half_vectors: HalfVectorSettings,
     seed: u32,
     group: u32,
 }
@@ -73,7 +80,11 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
                 own.lens_weight,
                 own.caustic_weight,
                 own.multi_chain_weight,
+                own.manifold_weight,
+                own.half_vector_weight,
             ],
+            lambda: own.lambda,
+            half_vectors: HalfVectorSettings::new(own),
             seed,
             group,
         }
@@ -102,6 +113,10 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         if caustic_start(&self.tracer, x).is_none() {
             weights[mutation::CAUSTIC] = 0.0;
         }
+        if x.edges() < 2 {
+            weights[mutation::MANIFOLD] = 0.0;
+            weights[mutation::HALF_VECTOR] = 0.0;
+        }
         weights
     }
 
@@ -115,6 +130,7 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         bsdf: &mut Bsdf,
     ) -> f32 {
         let (x, y) = (&chain.current, &mut chain.proposed);
+        let walks = &mut chain.counts[kind].walks;
         let tracer = &self.tracer;
         let ratio = match kind {
             mutation::BIDIRECTIONAL => {
@@ -133,6 +149,13 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
                 Some(start) => propose_from_light(tracer, x, start, y, bsdf, sampler),
                 None => 0.0,
             },
+            mutation::MANIFOLD => {
+                manifold_perturbation::propose(tracer, x, y, self.lambda, bsdf, sampler, walks)
+            }
+            mutation::HALF_VECTOR => {
+                let settings = &self.half_vectors;
+                half_vector_mutation::propose(tracer, x, y, settings, bsdf, sampler, walks)
+            }
             _ => propose_from_sensor(tracer, x, y, bsdf, sampler),
         };
         if !(ratio > 0.0) {
@@ -217,7 +240,14 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
     }
 
     fn mutations(&self) -> &'static [&'static str] {
-        &["bidirectional", "lens", "caustic", "multi-chain"]
+        &[
+            "bidirectional",
+            "lens",
+            "caustic",
+            "multi-chain",
+            "manifold",
+            "half-vector",
+        ]
     }
 
     fn counts(chain: &VeachChain) -> &[MutationCounts] {

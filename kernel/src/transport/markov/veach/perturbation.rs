@@ -108,7 +108,7 @@ fn film_steps(size: [u32; 2]) -> [f32; 2] {
 }
 
 /// The ray with which a walk leaves a vertex by a discrete event, if there is one of its kind.
-fn repeat_event<T: Traverse>(
+pub fn repeat_event<T: Traverse>(
     tracer: &Tracer<'_, T>,
     vertex: &Vertex,
     back: Vec3,

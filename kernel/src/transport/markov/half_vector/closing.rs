@@ -1,0 +1,162 @@
+//! The part of a path between an end that has moved and one that stays: connected, or found by a walk at given half vectors.
+
+use super::super::algorithm::WalkCounts;
+use super::super::veach::candidate::join;
+use super::super::veach::{ChainPath, MAX_VERTICES};
+use super::path_chain::{PathChain, curved, place};
+use super::reconnection::{Method, MovedEnd, Segment, options_of, reconnect};
+use crate::manifold::ChainVertex;
+use crate::manifold::walk::WalkOptions;
+use crate::math::Rgb;
+use crate::path::tracer::Tracer;
+use crate::scene::Traverse;
+use arrayvec::ArrayVec;
+use glam::Vec2;
+
+/// Capacities of segments, chosen by their length: what is copied in a walk grows with them.
+macro_rules! with_capacity {
+    ($len:expr, $n:ident => $body:expr) => {{
+        if $len <= 4 {
+            const $n: usize = 4;
+            $body
+        } else if $len <= 8 {
+            const $n: usize = 8;
+            $body
+        } else {
+            const $n: usize = crate::transport::markov::veach::MAX_VERTICES;
+            $body
+        }
+    }};
+}
+pub(super) use with_capacity;
+
+/// Half vectors of the vertices of a path.
+pub type HalfVectors = ArrayVec<Vec2, MAX_VERTICES>;
+
+/// Half vectors at which a walk shall find all vertices of `chain`: those that it has, zero at discrete events. None where one has
+/// no half vector.
+pub fn held(path: &ChainPath, chain: &PathChain, form: u32) -> Option<HalfVectors> {
+    let mut out = HalfVectors::new();
+    out.push(Vec2::ZERO);
+    for i in 1..path.edges() {
+        let h = chain.half_vector(i, form);
+        out.push(match h {
+            // A path that has lost its way is left to other mutations.
+            Some(h) if !path.vertices[i].is_smooth() => {
+                if !(h.length_squared() < LARGEST_DRIFT * LARGEST_DRIFT) {
+                    return None;
+                }
+                Vec2::ZERO
+            }
+            Some(h) => h,
+            None => return None,
+        });
+    }
+    out.push(Vec2::ZERO);
+    Some(out)
+}
+
+/// Half vectors of discrete events are this far off the normal at most: farther off, the event has another normal than the surface.
+const LARGEST_DRIFT: f32 = 5e-3;
+
+/// Which part of a path is closed, and how.
+#[derive(Clone, Copy)]
+pub struct Closing<'a> {
+    /// Index of its first vertex, towards the light.
+    pub low: usize,
+    /// Index of its last vertex.
+    pub high: usize,
+    /// Half vectors of all vertices of the new path.
+    pub target: &'a [Vec2],
+    /// Those of the old path.
+    pub back: &'a [Vec2],
+    /// Which walk.
+    pub method: Method,
+}
+
+impl Closing<'_> {
+    /// Finds the vertices of `y` between the ends, of which one is not that of `x`; says whether there are such.
+    #[allow(clippy::too_many_arguments)]
+    pub fn close<T: Traverse, const N: usize>(
+        &self,
+        tracer: &Tracer<'_, T>,
+        x: &ChainPath,
+        chain: &PathChain,
+        segment: Option<&Segment<N>>,
+        y: &mut ChainPath,
+        moved: Option<ClosingEnd>,
+        form: u32,
+        counts: &mut WalkCounts,
+    ) -> bool {
+        let tables = &tracer.view.tables;
+        let (low, high) = (self.low, self.high);
+        if high == low + 1 {
+            return join(tracer, y, low);
+        }
+        let Some(segment) = segment else {
+            return false;
+        };
+        let options = self.options(tracer, x, chain, form);
+        let end = moved.map(|end| match end {
+            ClosingEnd::Low => MovedEnd::Low(end_of(tracer, y, low)),
+            ClosingEnd::High => MovedEnd::High(end_of(tracer, y, high)),
+        });
+        let cut = |all: &[Vec2]| {
+            let mut out = [Vec2::ZERO; N];
+            out[1..high - low].copy_from_slice(&all[low + 1..high]);
+            out
+        };
+        let found = reconnect(
+            tracer.view,
+            segment,
+            end,
+            [&cut(self.target), &cut(self.back)],
+            self.method,
+            &options,
+            counts,
+        );
+        let Some(found) = found else {
+            return false;
+        };
+        for i in low + 1..high {
+            y.vertices[i].event = x.vertices[i].event;
+            place(tables, &mut y.vertices[i], &found[i - low]);
+        }
+        clear_edges(y, low, high);
+        true
+    }
+
+    /// Limits of its walks.
+    pub fn options<T: Traverse>(
+        &self,
+        tracer: &Tracer<'_, T>,
+        x: &ChainPath,
+        chain: &PathChain,
+        form: u32,
+    ) -> WalkOptions {
+        let tables = &tracer.view.tables;
+        options_of(chain, x.is_infinite(tables), tables.info.radius, form)
+    }
+}
+
+/// Which end has moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClosingEnd {
+    /// The one towards the light.
+    Low,
+    /// The one towards the sensor.
+    High,
+}
+
+/// A vertex of a path as the end of a segment.
+fn end_of<T: Traverse>(tracer: &Tracer<'_, T>, path: &ChainPath, i: usize) -> ChainVertex {
+    ChainVertex::from_surface(&curved(&tracer.view.tables, &path.vertices[i].point))
+}
+
+/// Walks meet nothing on their way.
+pub fn clear_edges(path: &mut ChainPath, low: usize, high: usize) {
+    for vertex in &mut path.vertices[low..high] {
+        vertex.transmittance = Rgb::ONE;
+        vertex.pass = 1.0;
+    }
+}

@@ -1,0 +1,347 @@
+//! The half-vector mutation of a path (Kaplanyan 2017, chapter 8; Hanika, Kaplanyan, Dachsbacher 2015, "Improved Half Vector Space
+//! Light Transport").
+//!
+//! ```text
+//!   x_k ---- ... ---- x_b ==== ... ==== x_c ---- ... ---- x_0
+//!   (sensor) multi-chain   half-vector chain   untouched (light)
+//! ```
+//!
+//! The improved method breaks the path up ([`crate::manifold::breakup`]). From the sensor to x_b film position, lens point and half
+//! vectors take steps, and the vertices follow one after the other; between x_b and x_c half vectors take steps, and a walk finds the
+//! vertices between the two ends; from x_c on the path stays. The original method has b = k and c = 0.
+//!
+//! A half vector takes a step of the smaller of gamma times the width of its lobe and, where the segment ends at the sensor, its
+//! share of a step over the image ([`crate::manifold::step_size`]). Widths belong to a pair of directions, so the density
+//! of the way back takes those of the new path. With all densities per half vectors
+//!
+//! ```text
+//! a = f(y) M(y) P(b, c | y) p(h_x | y) / (f(x) M(x) P(b, c | x) p(h_y | x)),
+//! ```
+//!
+//! M of [`super::measure`].
+
+use super::super::algorithm::WalkCounts;
+use super::super::veach::{ChainPath, MAX_VERTICES};
+use super::closing::{Closing, ClosingEnd, HalfVectors, held, with_capacity};
+use super::manifold_perturbation::moved_film;
+use super::measure::{segment_factor, towards_light};
+use super::path_chain::PathChain;
+use super::reconnection::{Method, Segment};
+use super::settings::HalfVectorSettings;
+use super::steps::{Step, free_step, segment_steps};
+use super::tracing::{trace_from_sensor, walked};
+use crate::bsdf::Bsdf;
+use crate::manifold::breakup::{choose, probabilities_b, probabilities_c};
+use crate::manifold::step_size::IMAGE_FRACTION;
+use crate::math::float::exp;
+use crate::math::scaled::Scaled;
+use crate::math::warp;
+use crate::path::tracer::Tracer;
+use crate::sampler::Sampler;
+use crate::scene::emitter::emission::is_delta;
+use crate::scene::{Traverse, camera, camera_kind};
+use arrayvec::ArrayVec;
+use glam::{Vec2, Vec3};
+
+/// Largest move of the numbers that choose the lens point.
+const LENS_STEP: f32 = 0.05;
+
+/// Where a path is broken up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Breakup {
+    /// The vertex up to which the path follows from the sensor.
+    b: usize,
+    /// The vertex from which it stays.
+    c: usize,
+}
+
+impl Breakup {
+    fn sample(chain: &PathChain, [u_b, u_c]: [f32; 2]) -> Breakup {
+        let mut p = [0.0; MAX_VERTICES];
+        probabilities_b(&chain.vertices, chain.len, &mut p);
+        let b = choose(&p, u_b);
+        probabilities_c(&chain.vertices, chain.len, b, &mut p);
+        Breakup {
+            b,
+            c: choose(&p, u_c),
+        }
+    }
+
+    fn probability(&self, chain: &PathChain) -> f32 {
+        let mut p = [0.0; MAX_VERTICES];
+        probabilities_b(&chain.vertices, chain.len, &mut p);
+        let of_b = p[self.b];
+        if self.b == 0 {
+            return of_b;
+        }
+        probabilities_c(&chain.vertices, chain.len, self.b, &mut p);
+        of_b * p[self.c]
+    }
+}
+
+/// Makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
+pub fn propose<T: Traverse, S: Sampler>(
+    tracer: &Tracer<'_, T>,
+    x: &ChainPath,
+    y: &mut ChainPath,
+    settings: &HalfVectorSettings,
+    bsdf: &mut Bsdf,
+    sampler: &mut S,
+    counts: &mut WalkCounts,
+) -> f32 {
+    let tables = &tracer.view.tables;
+    let k = x.edges();
+    let reference = warp::square_to_uniform_sphere(sampler.next_2d());
+    let u = [sampler.next_1d(), sampler.next_1d()];
+    if k < 2 {
+        return 0.0;
+    }
+    let mut chain = PathChain::EMPTY;
+    chain.set(tables, x, reference, settings.roughness, bsdf);
+    let parts = if settings.is_original {
+        Breakup { b: k, c: 0 }
+    } else {
+        Breakup::sample(&chain, u)
+    };
+    let Some(h) = held(x, &chain, settings.form) else {
+        return 0.0;
+    };
+    let go = Mutation {
+        tracer,
+        x,
+        chain: &chain,
+        h: &h,
+        parts,
+        settings,
+        reference,
+    };
+    with_capacity!(parts.b - parts.c + 1, N => go.propose::<S, N>(y, bsdf, sampler, counts))
+}
+
+struct Mutation<'a, T: Traverse> {
+    tracer: &'a Tracer<'a, T>,
+    x: &'a ChainPath,
+    chain: &'a PathChain,
+    /// Half vectors of x.
+    h: &'a HalfVectors,
+    parts: Breakup,
+    settings: &'a HalfVectorSettings,
+    reference: Vec3,
+}
+
+impl<T: Traverse> Mutation<'_, T> {
+    fn propose<S: Sampler, const N: usize>(
+        &self,
+        y: &mut ChainPath,
+        bsdf: &mut Bsdf,
+        sampler: &mut S,
+        counts: &mut WalkCounts,
+    ) -> f32 {
+        let (tracer, x, chain) = (self.tracer, self.x, self.chain);
+        let tables = &tracer.view.tables;
+        let (k, form) = (x.edges(), self.settings.form);
+        let Breakup { b, c } = self.parts;
+        let segment = if b > 0 {
+            match Segment::<N>::new(chain, c, b, form) {
+                Some(segment) => Some(segment),
+                None => return 0.0,
+            }
+        } else {
+            None
+        };
+        let Some(steps) = self.steps(x, chain, segment.as_ref()) else {
+            return 0.0;
+        };
+        // The new half vectors of all vertices that take steps.
+        let mut target = self.h.clone();
+        for (i, step) in steps.iter().enumerate() {
+            if let Some(step) = step {
+                target[i] = step.sample(sampler.next_2d());
+            }
+        }
+        y.clone_from(x);
+        if b < k && !self.move_sensor_part(y, &target, bsdf, sampler) {
+            return 0.0;
+        }
+        if b > 0 {
+            let closing = Closing {
+                low: c,
+                high: b,
+                target: &target,
+                back: self.h,
+                method: Method::HalfVectors,
+            };
+            let moved = (b < k).then_some(ClosingEnd::High);
+            if !closing.close(tracer, x, chain, segment.as_ref(), y, moved, form, counts) {
+                return 0.0;
+            }
+        }
+        if !y.evaluate(tables, &tracer.rules, bsdf) {
+            return 0.0;
+        }
+        let is_delta_changed = b == 0 && y.is_infinite(tables) != x.is_infinite(tables);
+        if is_delta_changed || !self.is_repeatable(y) {
+            return 0.0;
+        }
+        let mut of_y = PathChain::EMPTY;
+        of_y.set(tables, y, self.reference, self.settings.roughness, bsdf);
+        if !of_y.has_kinds_of(chain, 1, k - 1) {
+            return 0.0;
+        }
+        let segment_of_y = if b > 0 {
+            match Segment::<N>::new(&of_y, c, b, form) {
+                Some(segment) => Some(segment),
+                None => return 0.0,
+            }
+        } else {
+            None
+        };
+        let Some(steps_of_y) = self.steps(y, &of_y, segment_of_y.as_ref()) else {
+            return 0.0;
+        };
+        if held(y, &of_y, form).is_none() {
+            return 0.0;
+        }
+        let mut ln_densities = 0.0;
+        for (i, (there, back)) in steps.iter().zip(&steps_of_y).enumerate() {
+            if let (Some(there), Some(back)) = (there, back) {
+                ln_densities += back.ln_pdf(self.h[i]) - there.ln_pdf(target[i]);
+            }
+        }
+        let choice = if self.settings.is_original {
+            1.0
+        } else {
+            self.parts.probability(&of_y) / self.parts.probability(chain)
+        };
+        let there = self.target(y, &of_y, segment_of_y.as_ref());
+        let here = self.target(x, chain, segment.as_ref());
+        let ratio = there.over(here).value() * exp(ln_densities) * choice;
+        if ratio > 0.0 && ratio <= f32::MAX {
+            ratio
+        } else {
+            0.0
+        }
+    }
+
+    /// The steps of all vertices between the sensor and b, and between b and c; none at discrete events.
+    fn steps<const N: usize>(
+        &self,
+        path: &ChainPath,
+        chain: &PathChain,
+        segment: Option<&Segment<N>>,
+    ) -> Option<ArrayVec<Option<Step>, MAX_VERTICES>> {
+        let k = path.edges();
+        let Breakup { b, c } = self.parts;
+        let mut out = ArrayVec::new();
+        for i in 0..=k {
+            let follows = i > b && i < k && path.vertices[i].is_smooth();
+            out.push(if follows {
+                let h = chain.half_vector(i, self.settings.form)?;
+                Some(free_step(&chain.vertices[i], h, self.settings))
+            } else {
+                None
+            });
+        }
+        if let Some(segment) = segment {
+            let is_at_sensor = b == k;
+            let tables = &self.tracer.view.tables;
+            let steps =
+                segment_steps(tables, path, chain, segment, c, is_at_sensor, self.settings)?;
+            for i in c + 1..b {
+                if path.vertices[i].is_smooth() {
+                    out[i] = Some(steps[i - c]);
+                }
+            }
+        }
+        Some(out)
+    }
+
+    /// Moves the film position, the lens point and all vertices down to b.
+    fn move_sensor_part<S: Sampler>(
+        &self,
+        y: &mut ChainPath,
+        target: &HalfVectors,
+        bsdf: &mut Bsdf,
+        sampler: &mut S,
+    ) -> bool {
+        let tables = &self.tracer.view.tables;
+        let (x, b, k) = (self.x, self.parts.b, self.x.edges());
+        let kind = tables.emitters[x.emitter as usize].kind;
+        let (u, u_lens) = (sampler.next_2d(), sampler.next_2d());
+        if b == 0 && is_delta(kind) {
+            return false;
+        }
+        let window = &tables.camera;
+        let size = window.crop_size[0].min(window.crop_size[1]) as f32;
+        let Some(film) = moved_film(window, x.film, IMAGE_FRACTION * size, u) else {
+            return false;
+        };
+        y.film = film;
+        if window.kind == camera_kind::THIN_LENS {
+            let moved = x.u_lens + (u_lens - 0.5) * (2.0 * LENS_STEP);
+            y.u_lens = Vec2::new(wrapped(moved.x), wrapped(moved.y));
+        }
+        let ray = camera::ray_through(window, film, y.u_lens);
+        y.vertices[k].point.position = ray.origin;
+        let form = self.settings.form;
+        let give = |j: usize, _: &mut S| Some(target[j]);
+        trace_from_sensor(
+            self.tracer,
+            x,
+            self.chain,
+            y,
+            ray,
+            [k, b],
+            form,
+            bsdf,
+            sampler,
+            give,
+        )
+    }
+
+    /// Whether discrete events that were taken again are the only ones of their kind, on both paths.
+    fn is_repeatable(&self, y: &ChainPath) -> bool {
+        let (b, k) = (self.parts.b, self.x.edges());
+        b >= k
+            || [self.x, y].iter().all(|path| {
+                let between = &path.vertices[b + 1..k];
+                between.iter().all(|v| v.is_smooth() || v.is_unique)
+            })
+    }
+
+    /// f M, over the probabilities of what was met on the way to b.
+    fn target<const N: usize>(
+        &self,
+        path: &ChainPath,
+        chain: &PathChain,
+        segment: Option<&Segment<N>>,
+    ) -> Scaled {
+        let (tables, form) = (&self.tracer.view.tables, self.settings.form);
+        let Breakup { b, c } = self.parts;
+        let k = path.edges();
+        let mut f = Scaled::ONE.times(path.luminance());
+        for j in b + 1..k {
+            f = f.times(towards_light(path, chain, j, form));
+        }
+        f = f.times(1.0 / walked(path, b, k, true));
+        match segment {
+            Some(s) => f.product(segment_factor(
+                tables,
+                path,
+                chain,
+                &s.vertices,
+                &s.jacobian,
+                c,
+                form,
+            )),
+            None => f,
+        }
+    }
+}
+
+/// A number modulo one.
+fn wrapped(u: f32) -> f32 {
+    let u = u - crate::math::float::floor(u);
+    // Small negative numbers round to one.
+    if u < 1.0 { u } else { 0.0 }
+}

@@ -1,0 +1,488 @@
+//! Manifold exploration as a perturbation of a path (Jakob and Marschner 2012, "Manifold Exploration").
+//!
+//! Between three vertices that are not specular, in the direction of the sensor or of the light,
+//!
+//! ```text
+//!   x_a ~~~~ (specular) ~~~~ x_b ==== (specular) ==== x_c
+//!   turns                    moves                    stays
+//! ```
+//!
+//! the direction at x_a turns a little, the path goes on from there through the specular vertices to a new x_b, and a walk on the
+//! manifold of the specular vertices behind it closes the path to x_c. From the lens the film position moves instead. A path that
+//! specular vertices lead from x_a to the light has no x_c.
+//!
+//! Glossy vertices may pass for specular ones that keep their half vector. The cone in which a Beckmann lobe scatters 90 % has the
+//! slope alpha sqrt(ln 10); below [`SPECULAR_ANGLE`] the vertex is specular, above [`ROUGH_ANGLE`] it is not, between the two it
+//! is one or the other at random, with probabilities that belong to the density of the proposal.
+//!
+//! Directions turn by a lobe of von Mises and Fisher's whose peak is lambda^2 times the density with which the direction would be
+//! sampled; film positions by a Gaussian with the peak lambda^2 over the film's area.
+
+use super::super::algorithm::WalkCounts;
+use super::super::veach::{ChainPath, MAX_VERTICES};
+use super::closing::{Closing, ClosingEnd, held, with_capacity};
+use super::measure::{segment_factor, towards_light, vertex_factor};
+use super::path_chain::PathChain;
+use super::reconnection::{Method, Segment};
+use super::settings::roughness_kind;
+use super::tracing::{trace_from_light, trace_from_sensor, walked};
+use crate::bsdf::Bsdf;
+use crate::manifold::half_vector_form;
+use crate::math::float::{exp, exp_m1, ln, ln_1p, sin_cos_2pi, sqrt};
+use crate::math::scaled::Scaled;
+use crate::math::{Frame, Ray, warp};
+use crate::path::tracer::Tracer;
+use crate::sampler::Sampler;
+use crate::scene::emitter::emission::{self, is_delta};
+use crate::scene::{Traverse, camera, emitter_kind};
+use arrayvec::ArrayVec;
+use core::f32::consts::PI;
+use glam::{Vec2, Vec3};
+
+/// Half the opening of the lobe below which a vertex is specular, in radians: 7 degrees.
+pub const SPECULAR_ANGLE: f32 = 7.0 / 180.0 * PI;
+
+/// That above which it is not: 13 degrees.
+pub const ROUGH_ANGLE: f32 = 13.0 / 180.0 * PI;
+
+/// Probability that the perturbation starts at the sensor, if there are other ways.
+const FROM_SENSOR: f32 = 0.25;
+
+const FORM: u32 = half_vector_form::SLOPE;
+
+/// A way to perturb a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// The vertex where the direction turns.
+    pub a: usize,
+    /// The vertex that moves with it.
+    pub b: usize,
+    /// The one that stays; none if b is on the light.
+    pub c: Option<usize>,
+}
+
+impl Plan {
+    /// Whether it leads from the sensor's side to the light's.
+    pub fn is_from_sensor(&self) -> bool {
+        self.a > self.b
+    }
+}
+
+/// Probability that a vertex of a roughness is taken as rough.
+pub fn p_rough(alpha: f32) -> f32 {
+    // sqrt(ln 10)
+    let angle = crate::math::float::atan(1.517_427_1 * alpha);
+    ((angle - SPECULAR_ANGLE) / (ROUGH_ANGLE - SPECULAR_ANGLE))
+        .max(0.0)
+        .min(1.0)
+}
+
+/// Most ways: one from each vertex in both directions.
+type Plans = ArrayVec<Plan, { 2 * MAX_VERTICES }>;
+
+/// All ways to perturb a path of `k` edges whose vertices are rough or not; the first is from the sensor, if there is such.
+/// `may_hit`: whether walks can hit its light; `is_far`: whether that is at infinity.
+pub fn plans(k: usize, rough: &[bool], may_hit: bool, is_far: bool) -> Plans {
+    let mut out = Plans::new();
+    let is_end = |i: usize| i == 0 || i == k || rough[i];
+    let down = |from: usize| (0..from).rev().find(|&i| is_end(i));
+    let up = |from: usize| (from + 1..=k).find(|&i| is_end(i));
+    for a in (1..=k).rev().filter(|&i| is_end(i)) {
+        let Some(b) = down(a) else { continue };
+        let c = down(b);
+        if b > 0 || may_hit {
+            out.push(Plan { a, b, c });
+        }
+    }
+    for a in (0..k).filter(|&i| is_end(i) && !(i == 0 && is_far)) {
+        if let Some(b) = up(a)
+            && b < k
+        {
+            out.push(Plan { a, b, c: up(b) });
+        }
+    }
+    out
+}
+
+fn choose(plans: &Plans, k: usize, u: f32) -> Plan {
+    let starts_at_sensor = plans[0].a == k;
+    let others = &plans[usize::from(starts_at_sensor)..];
+    if others.is_empty() || starts_at_sensor && u < FROM_SENSOR {
+        return plans[0];
+    }
+    let u = if starts_at_sensor {
+        (u - FROM_SENSOR) / (1.0 - FROM_SENSOR)
+    } else {
+        u
+    };
+    let at = (u * others.len() as f32) as usize;
+    others[at.min(others.len() - 1)]
+}
+
+/// A lobe of von Mises and Fisher's around a direction.
+#[derive(Clone, Copy)]
+struct Turn {
+    kappa: f32,
+}
+
+impl Turn {
+    /// With the peak lambda^2 times the density of the direction.
+    fn new(pdf: f32, lambda: f32) -> Turn {
+        let pdf = pdf.max(0.25 / PI).min(1e8);
+        Turn {
+            kappa: (2.0 * PI * pdf * lambda * lambda).max(1.0),
+        }
+    }
+
+    fn sample(&self, direction: Vec3, u: Vec2) -> Vec3 {
+        // 1 - cos, which the cosine itself would round.
+        let height = -ln_1p(u.x * exp_m1(-2.0 * self.kappa)) / self.kappa;
+        let sin = sqrt((height * (2.0 - height)).max(0.0));
+        let (s, c) = sin_cos_2pi(u.y);
+        Frame::from_normal(direction)
+            .to_world(Vec3::new(sin * c, sin * s, 1.0 - height))
+            .normalize()
+    }
+
+    /// Logarithm of the density per solid angle.
+    fn ln_pdf(&self, from: Vec3, to: Vec3) -> f32 {
+        let height = 0.5 * (to - from).length_squared();
+        ln(self.kappa / (2.0 * PI * -exp_m1(-2.0 * self.kappa))) - self.kappa * height
+    }
+}
+
+/// A point of the normal distribution in two dimensions.
+pub fn gaussian(u: Vec2) -> Vec2 {
+    let r = sqrt(-2.0 * ln_1p(-u.x.min(0.999_999_94)));
+    let (s, c) = sin_cos_2pi(u.y);
+    Vec2::new(r * c, r * s)
+}
+
+/// Density with which a walk would sample the direction of a path at `a`.
+fn direction_pdf<T: Traverse>(tracer: &Tracer<'_, T>, path: &ChainPath, plan: &Plan) -> f32 {
+    let vertex = &path.vertices[plan.a];
+    if plan.is_from_sensor() {
+        vertex.pdf_to_light
+    } else if plan.a > 0 {
+        vertex.pdf_to_sensor
+    } else {
+        let tables = &tracer.view.tables;
+        let outgoing = path.next_direction(0);
+        emission::density(tables, path.emitter, &vertex.point, outgoing).direction
+    }
+}
+
+/// Logarithm of the probability of taking the inner vertices of a path as rough or not.
+fn ln_p_classes(chain: &PathChain, rough: &[bool]) -> f32 {
+    (1..chain.len - 1)
+        .map(|i| {
+            let p = p_rough(chain.vertices[i].alpha.x);
+            ln(if rough[i] { p } else { 1.0 - p }.max(1e-30))
+        })
+        .sum()
+}
+
+/// f times what the measure of the proposal is of the camera walk's, over the probabilities of what was met.
+fn target<T: Traverse, const N: usize>(
+    tracer: &Tracer<'_, T>,
+    path: &ChainPath,
+    chain: &PathChain,
+    plan: &Plan,
+    segment: Option<&Segment<N>>,
+) -> Scaled {
+    let tables = &tracer.view.tables;
+    let mut f = Scaled::ONE.times(path.luminance());
+    let (low, high) = (plan.a.min(plan.b), plan.a.max(plan.b));
+    for j in low + 1..high {
+        f = f.times(if plan.is_from_sensor() {
+            towards_light(path, chain, j, FORM)
+        } else {
+            vertex_factor(path, chain, j, FORM)
+        });
+    }
+    if !plan.is_from_sensor() {
+        let start = &chain.vertices[low];
+        let end = &chain.vertices[high];
+        f = f.times(
+            start.cosine(path.next_direction(low)) / end.cosine(path.previous_direction(high)),
+        );
+    }
+    f = f.times(1.0 / walked(path, low, high, plan.is_from_sensor()));
+    match (segment, plan.c) {
+        (Some(segment), Some(c)) => {
+            let low = plan.b.min(c);
+            let (vertices, jacobian) = (&segment.vertices, &segment.jacobian);
+            let m = segment_factor(tables, path, chain, vertices, jacobian, low, FORM);
+            f.product(m)
+        }
+        _ => f,
+    }
+}
+
+/// Makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
+pub fn propose<T: Traverse, S: Sampler>(
+    tracer: &Tracer<'_, T>,
+    x: &ChainPath,
+    y: &mut ChainPath,
+    lambda: f32,
+    bsdf: &mut Bsdf,
+    sampler: &mut S,
+    counts: &mut WalkCounts,
+) -> f32 {
+    let tables = &tracer.view.tables;
+    let k = x.edges();
+    let reference = warp::square_to_uniform_sphere(sampler.next_2d());
+    let (u_plan, u_turn) = (sampler.next_1d(), sampler.next_2d());
+    if k < 2 {
+        return 0.0;
+    }
+    let mut chain = PathChain::EMPTY;
+    chain.set(tables, x, reference, roughness_kind::LOCAL, bsdf);
+    let mut rough = [false; MAX_VERTICES];
+    for (i, rough) in rough.iter_mut().enumerate().take(k).skip(1) {
+        *rough = sampler.next_1d() < p_rough(chain.vertices[i].alpha.x);
+    }
+    let kind = tables.emitters[x.emitter as usize].kind;
+    let plans = plans(k, &rough, !is_delta(kind), x.is_infinite(tables));
+    if plans.is_empty() {
+        return 0.0;
+    }
+    let plan = choose(&plans, k, u_plan);
+    let len = plan.c.map_or(0, |c| plan.b.abs_diff(c) + 1);
+    let go = Perturbation {
+        tracer,
+        x,
+        chain: &chain,
+        rough: &rough,
+        plan,
+        lambda,
+        reference,
+    };
+    with_capacity!(len, N => go.propose::<S, N>(y, u_turn, bsdf, sampler, counts))
+}
+
+struct Perturbation<'a, T: Traverse> {
+    tracer: &'a Tracer<'a, T>,
+    x: &'a ChainPath,
+    chain: &'a PathChain,
+    rough: &'a [bool],
+    plan: Plan,
+    lambda: f32,
+    reference: Vec3,
+}
+
+impl<T: Traverse> Perturbation<'_, T> {
+    fn propose<S: Sampler, const N: usize>(
+        &self,
+        y: &mut ChainPath,
+        u: Vec2,
+        bsdf: &mut Bsdf,
+        sampler: &mut S,
+        counts: &mut WalkCounts,
+    ) -> f32 {
+        let (tracer, x, chain, plan) = (self.tracer, self.x, self.chain, &self.plan);
+        let tables = &tracer.view.tables;
+        let k = x.edges();
+        let Some(h) = held(x, chain, FORM) else {
+            return 0.0;
+        };
+        let ends = plan.c.map(|c| [plan.b.min(c), plan.b.max(c)]);
+        let segment = match ends {
+            Some([low, high]) => match Segment::<N>::new(chain, low, high, FORM) {
+                Some(segment) => Some(segment),
+                None => return 0.0,
+            },
+            None => None,
+        };
+        y.clone_from(x);
+        let Some((ray, ln_there)) = self.turn(y, u) else {
+            return 0.0;
+        };
+        let is_traced = if plan.is_from_sensor() {
+            let keep = |j: usize, _: &mut S| Some(h[j]);
+            let span = [plan.a, plan.b];
+            trace_from_sensor(tracer, x, chain, y, ray, span, FORM, bsdf, sampler, keep)
+        } else {
+            let span = [plan.a, plan.b];
+            trace_from_light(tracer, x, chain, y, ray, span, FORM, bsdf, sampler)
+        };
+        if !is_traced {
+            return 0.0;
+        }
+        if let Some([low, high]) = ends {
+            let closing = Closing {
+                low,
+                high,
+                target: &h,
+                back: &h,
+                method: Method::Exploration,
+            };
+            let end = if plan.is_from_sensor() {
+                ClosingEnd::High
+            } else {
+                ClosingEnd::Low
+            };
+            if !closing.close(
+                tracer,
+                x,
+                chain,
+                segment.as_ref(),
+                y,
+                Some(end),
+                FORM,
+                counts,
+            ) {
+                return 0.0;
+            }
+        }
+        if !y.evaluate(tables, &tracer.rules, bsdf) {
+            return 0.0;
+        }
+        let mut of_y = PathChain::EMPTY;
+        of_y.set(tables, y, self.reference, roughness_kind::LOCAL, bsdf);
+        let has_other_plans = y.is_infinite(tables) != x.is_infinite(tables);
+        if has_other_plans || !of_y.has_kinds_of(chain, 1, k - 1) || !self.is_repeatable(y) {
+            return 0.0;
+        }
+        let segment_of_y = match ends {
+            Some([low, high]) => match Segment::<N>::new(&of_y, low, high, FORM) {
+                Some(segment) => Some(segment),
+                None => return 0.0,
+            },
+            None => None,
+        };
+        let there = target(tracer, y, &of_y, plan, segment_of_y.as_ref());
+        let here = target(tracer, x, chain, plan, segment.as_ref());
+        let ln_back = self.ln_back(y);
+        let classes = ln_p_classes(&of_y, self.rough) - ln_p_classes(chain, self.rough);
+        let ratio = there.over(here).value() * exp(classes + ln_back - ln_there);
+        if ratio > 0.0 && ratio <= f32::MAX {
+            ratio
+        } else {
+            0.0
+        }
+    }
+
+    /// The first ray of the new path, and the logarithm of its density.
+    fn turn(&self, y: &mut ChainPath, u: Vec2) -> Option<(Ray, f32)> {
+        let (x, plan) = (self.x, &self.plan);
+        let tables = &self.tracer.view.tables;
+        let window = &tables.camera;
+        if plan.a == x.edges() {
+            let film = moved_film(window, x.film, film_deviation(window, self.lambda), u)?;
+            y.film = film;
+            let ray = camera::ray_through(window, film, x.u_lens);
+            y.vertices[plan.a].point.position = ray.origin;
+            return Some((ray, 0.0));
+        }
+        let old = self.direction(x);
+        let turn = Turn::new(direction_pdf(self.tracer, x, plan), self.lambda);
+        let new = turn.sample(old, u);
+        let start = &x.vertices[plan.a].point;
+        let is_bare = plan.a == 0 && tables.emitters[x.emitter as usize].kind != emitter_kind::AREA;
+        let ray = if is_bare {
+            Ray::new(start.position, new)
+        } else {
+            start.spawn(new)
+        };
+        Some((ray, turn.ln_pdf(old, new)))
+    }
+
+    /// Logarithm of the density with which the first ray of the old path would be proposed from the new one.
+    fn ln_back(&self, y: &ChainPath) -> f32 {
+        if self.plan.a == self.x.edges() {
+            return 0.0;
+        }
+        let turn = Turn::new(direction_pdf(self.tracer, y, &self.plan), self.lambda);
+        turn.ln_pdf(self.direction(y), self.direction(self.x))
+    }
+
+    fn direction(&self, path: &ChainPath) -> Vec3 {
+        if self.plan.is_from_sensor() {
+            path.previous_direction(self.plan.a)
+        } else {
+            path.next_direction(self.plan.a)
+        }
+    }
+
+    /// Whether discrete events that were taken again are the only ones of their kind, on both paths.
+    fn is_repeatable(&self, y: &ChainPath) -> bool {
+        let (low, high) = (self.plan.a.min(self.plan.b), self.plan.a.max(self.plan.b));
+        [self.x, y].iter().all(|path| {
+            let between = &path.vertices[low + 1..high];
+            between.iter().all(|v| v.is_smooth() || v.is_unique)
+        })
+    }
+}
+
+/// Deviation of film positions in pixels.
+fn film_deviation(window: &crate::scene::Camera, lambda: f32) -> f32 {
+    let area = window.crop_size[0] as f32 * window.crop_size[1] as f32;
+    sqrt(area / (2.0 * PI)) / lambda
+}
+
+/// A film position moved by a Gaussian; none outside of the window.
+pub fn moved_film(
+    window: &crate::scene::Camera,
+    film: Vec2,
+    deviation: f32,
+    u: Vec2,
+) -> Option<Vec2> {
+    let film = film + gaussian(u) * deviation;
+    let start = Vec2::new(window.crop_offset[0] as f32, window.crop_offset[1] as f32);
+    let size = Vec2::new(window.crop_size[0] as f32, window.crop_size[1] as f32);
+    let inside = film.cmpge(start).all() && film.cmplt(start + size).all();
+    inside.then_some(film)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::float::abs;
+
+    #[test]
+    fn plans_start_at_both_ends() {
+        // light, rough, specular, rough, sensor
+        let rough = [false, true, false, true, false];
+        let found = plans(4, &rough, true, false);
+        let expected = [
+            (4, 3, Some(1)),
+            (3, 1, Some(0)),
+            (1, 0, None),
+            (0, 1, Some(3)),
+            (1, 3, Some(4)),
+        ];
+        let found: Vec<_> = found.iter().map(|p| (p.a, p.b, p.c)).collect();
+        assert_eq!(found, expected);
+        // From infinity, and never onto it if it is a direction.
+        let found = plans(2, &[false, true, false], false, true);
+        let found: Vec<_> = found.iter().map(|p| (p.a, p.b, p.c)).collect();
+        assert_eq!(found, [(2, 1, Some(0))]);
+    }
+
+    #[test]
+    fn turns_follow_their_density() {
+        let turn = Turn { kappa: 5.0 };
+        let n = 200_000;
+        // Mean of the cosine, against quadrature of the density.
+        let axis = Vec3::new(0.3, -0.5, 0.8).normalize();
+        let mut mean = 0.0;
+        for i in 0..n {
+            let u = Vec2::new((i as f32 + 0.5) / n as f32, (i as f32 * 0.618_034) % 1.0);
+            mean += f64::from(turn.sample(axis, u).dot(axis)) / f64::from(n);
+        }
+        let steps = 20_000;
+        let (mut sum, mut moment) = (0.0, 0.0);
+        for i in 0..steps {
+            let cos = -1.0 + 2.0 * (i as f32 + 0.5) / steps as f32;
+            let w =
+                Frame::from_normal(axis).to_world(Vec3::new(abs(1.0 - cos * cos).sqrt(), 0.0, cos));
+            let p = f64::from(exp(turn.ln_pdf(axis, w))) * 2.0 * std::f64::consts::PI * 2.0
+                / f64::from(steps);
+            sum += p;
+            moment += p * f64::from(cos);
+        }
+        assert!((sum - 1.0).abs() < 1e-3, "{sum}");
+        assert!((moment - mean).abs() < 1e-3, "{moment} {mean}");
+    }
+}

@@ -1,0 +1,23 @@
+//! Mutations of paths in half-vector space, for chains of whole paths.
+//!
+//! What half vectors, their constraints and walks are: [`crate::manifold`]. Here they meet real scenes:
+//!
+//! - [`path_chain`]: a path as a chain of half vectors;
+//! - [`measure`]: what a path carries per half vectors;
+//! - [`reconnection`], [`closing`]: walks between an end that has moved and one that stays;
+//! - [`tracing`]: ends that move before;
+//! - [`steps`]: steps of half vectors;
+//! - [`half_vector_mutation`]: half-vector space light transport, original and improved;
+//! - [`manifold_perturbation`]: manifold exploration.
+
+pub mod closing;
+pub mod half_vector_mutation;
+pub mod manifold_perturbation;
+pub mod measure;
+pub mod path_chain;
+pub mod reconnection;
+pub mod settings;
+pub mod steps;
+pub mod tracing;
+
+pub use settings::HalfVectorSettings;

@@ -1,0 +1,189 @@
+//! A whole path as a chain of half vectors, and vertices of chains back into the path.
+//!
+//! The frames of all half vectors hang on one vector that is fixed in space ([`crate::manifold::vertex`]). A mutation draws it
+//! anew, so that no direction of normals is singular for good; both directions of the mutation use the same.
+//!
+//! A vertex at infinity becomes a point on a plane across its direction, outside of the scene: so is a sensor of parallel rays.
+
+use super::super::veach::{ChainPath, MAX_VERTICES};
+use super::settings::roughness_kind;
+use crate::bsdf::{Bsdf, event, local_beckmann_roughness, mode};
+use crate::manifold::ChainVertex;
+use crate::manifold::constraint::inner_constraint;
+use crate::math::Ray;
+use crate::path::whole_vertex::Vertex;
+use crate::scene::surface::{detail, surface_with};
+use crate::scene::{Hit, SurfacePoint, Tables, camera_kind, emitter_kind, lobe_kind};
+use glam::{Vec2, Vec3};
+
+/// The vertices of a path as those of a chain.
+#[derive(Clone, Debug)]
+pub struct PathChain {
+    /// From the light to the sensor.
+    pub vertices: [ChainVertex; MAX_VERTICES],
+    /// Their number.
+    pub len: usize,
+}
+
+impl PathChain {
+    /// No path.
+    pub const EMPTY: PathChain = PathChain {
+        vertices: [ChainVertex::NONE; MAX_VERTICES],
+        len: 0,
+    };
+
+    /// Takes the vertices of `path`; frames hang on `reference`, roughness is one of [`roughness_kind`].
+    pub fn set(
+        &mut self,
+        tables: &Tables<'_>,
+        path: &ChainPath,
+        reference: Vec3,
+        roughness: u32,
+        bsdf: &mut Bsdf,
+    ) {
+        let k = path.edges();
+        self.len = k + 1;
+        self.vertices[0] = light_end(tables, path);
+        for i in 1..k {
+            self.vertices[i] = inner_vertex(tables, path, i, reference, roughness, bsdf);
+        }
+        self.vertices[k] = sensor_end(tables, path);
+    }
+
+    /// The half vector of an inner vertex, in one of [`crate::manifold::half_vector_form`]; nothing where there is none.
+    pub fn half_vector(&self, i: usize, form: u32) -> Option<Vec2> {
+        let x = self.vertices[i];
+        let previous = self.vertices[i - 1].facing(x.position);
+        let next = self.vertices[i + 1].facing(x.position);
+        let constraint = inner_constraint(&previous, &x, &next, form);
+        constraint.valid.then_some(constraint.h)
+    }
+
+    /// Whether the half vectors of the inner vertices from `first` to `last` are of the same kind as those of another.
+    pub fn has_kinds_of(&self, other: &PathChain, first: usize, last: usize) -> bool {
+        (first..=last).all(|i| {
+            let (a, b) = (&self.vertices[i], &other.vertices[i]);
+            a.kind == b.kind && a.eta == b.eta
+        })
+    }
+
+    /// Length of all edges that are not to infinity.
+    pub fn length(&self, is_from_infinity: bool) -> f32 {
+        let first = if is_from_infinity { 2 } else { 1 };
+        (first..self.len)
+            .map(|i| (self.vertices[i].position - self.vertices[i - 1].position).length())
+            .sum()
+    }
+}
+
+/// The surface point with the derivatives of its normal.
+pub fn curved(tables: &Tables<'_>, point: &SurfacePoint) -> SurfacePoint {
+    surface_again::<{ detail::CURVATURE }>(
+        tables,
+        point.position,
+        point.geometric_normal,
+        point.barycentric,
+        [point.primitive, point.instance],
+    )
+}
+
+/// Looks up a surface where it was met before.
+fn surface_again<const DETAIL: u32>(
+    tables: &Tables<'_>,
+    position: Vec3,
+    normal: Vec3,
+    barycentric: Vec2,
+    [primitive, instance]: [u32; 2],
+) -> SurfacePoint {
+    let hit = Hit {
+        t: 0.0,
+        b1: barycentric.x,
+        b2: barycentric.y,
+        primitive,
+        instance,
+    };
+    surface_with::<DETAIL>(tables, &Ray::new(position, normal), &hit)
+}
+
+/// Puts a vertex of a path where a walk has found it; its event stays.
+pub fn place(tables: &Tables<'_>, vertex: &mut Vertex, found: &ChainVertex) {
+    let point = surface_again::<{ detail::TANGENTS }>(
+        tables,
+        found.position,
+        found.geometric_normal,
+        found.barycentric,
+        [found.primitive, found.instance],
+    );
+    let event = vertex.event;
+    *vertex = Vertex::new(tables, &point);
+    vertex.event = event;
+}
+
+fn light_end(tables: &Tables<'_>, path: &ChainPath) -> ChainVertex {
+    let point = &path.vertices[0].point;
+    if path.is_infinite(tables) {
+        let first = path.vertices[1].point.position;
+        let outside = first + path.to_light * (2.0 * tables.info.radius);
+        return ChainVertex::pinned_direction(outside, -path.to_light);
+    }
+    if tables.emitters[path.emitter as usize].kind == emitter_kind::AREA {
+        ChainVertex::from_surface(point)
+    } else {
+        ChainVertex::point(point.position)
+    }
+}
+
+fn sensor_end(tables: &Tables<'_>, path: &ChainPath) -> ChainVertex {
+    let k = path.edges();
+    if tables.camera.kind == camera_kind::ORTHOGRAPHIC {
+        let seen = path.vertices[k - 1].point.position;
+        let outside = seen + path.to_lens * (2.0 * tables.info.radius);
+        return ChainVertex::pinned_direction(outside, -path.to_lens);
+    }
+    ChainVertex::point(path.vertices[k].point.position)
+}
+
+fn inner_vertex(
+    tables: &Tables<'_>,
+    path: &ChainPath,
+    i: usize,
+    reference: Vec3,
+    roughness: u32,
+    bsdf: &mut Bsdf,
+) -> ChainVertex {
+    let vertex = &path.vertices[i];
+    let point = curved(tables, &vertex.point);
+    let frame = &vertex.point.frame;
+    let wc = frame.to_local(path.next_direction(i));
+    let wl = frame.to_local(path.previous_direction(i));
+    bsdf.look_up(tables, &vertex.point, wc, mode::RADIANCE);
+    let (transmits, alpha) = if vertex.is_smooth() {
+        let alpha = if roughness == roughness_kind::GLOBAL {
+            bsdf.roughness()
+        } else {
+            local_beckmann_roughness(bsdf, tables.data, wc, wl)
+        };
+        (wc.z * wl.z < 0.0, alpha)
+    } else {
+        (vertex.event & event::TRANSMISSION != 0, 0.0)
+    };
+    let eta = if transmits {
+        index_towards_sensor(bsdf, vertex.is_smooth(), wl.z)
+    } else {
+        1.0
+    };
+    ChainVertex::from_surface_with(&point, reference).scattering(transmits, eta, Vec2::splat(alpha))
+}
+
+/// Index of refraction on the side of the sensor over that on the side of the light: of the first lobe that bends what passes.
+fn index_towards_sensor(bsdf: &Bsdf, is_smooth: bool, cos_light: f32) -> f32 {
+    let bends = |kind: u32| {
+        kind == lobe_kind::ROUGH_DIELECTRIC || (!is_smooth && kind == lobe_kind::DIELECTRIC)
+    };
+    (0..bsdf.lobe_count())
+        .map(|i| bsdf.lobe(i))
+        .find(|lobe| bends(lobe.kind))
+        .map_or(1.0, |lobe| {
+            crate::bsdf::fresnel::relative_eta(cos_light, lobe.eta.x)
+        })
+}

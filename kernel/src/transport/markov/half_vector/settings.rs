@@ -1,0 +1,47 @@
+//! What mutations in half-vector space can be told.
+
+use crate::manifold::half_vector_form;
+use crate::transport::settings::{ChainSettings, half_vector_flag};
+
+/// Which roughness scales the steps of half vectors.
+pub mod roughness_kind {
+    /// The local one, of the Beckmann lobe that resembles the BSDF at the pair of directions
+    /// ([`crate::bsdf::local_roughness`]).
+    pub const LOCAL: u32 = 0;
+    /// The largest of the lobes, at all pairs.
+    pub const GLOBAL: u32 = 1;
+}
+
+/// Settings of the half-vector mutation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfVectorSettings {
+    /// One of [`roughness_kind`].
+    pub roughness: u32,
+    /// One of [`half_vector_form`].
+    pub form: u32,
+    /// Whether the whole path moves in half-vector space, instead of breaking up.
+    pub is_original: bool,
+    /// Step over the optimal one of a lobe alone.
+    pub gamma: f32,
+}
+
+impl HalfVectorSettings {
+    /// Those of chains.
+    pub fn new(chains: &ChainSettings) -> HalfVectorSettings {
+        let has = |flag: u32| chains.half_vector_flags & flag != 0;
+        HalfVectorSettings {
+            roughness: if has(half_vector_flag::GLOBAL_ROUGHNESS) {
+                roughness_kind::GLOBAL
+            } else {
+                roughness_kind::LOCAL
+            },
+            form: if has(half_vector_flag::PROJECTED) {
+                half_vector_form::PROJECTED
+            } else {
+                half_vector_form::SLOPE
+            },
+            is_original: has(half_vector_flag::ORIGINAL),
+            gamma: chains.half_vector_step,
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Mutations in half-vector space: each alone, in each of its forms, leaves the distribution of paths as it is.
+//!
+//! As in `whole_paths`: chains start from paths drawn with the density that they shall keep.
+
+use crate::agreement::{Batches, compare, report, settings_of};
+use crate::brightness::{BALL, DIFFUSE, GLOSSY, POINT, SKY, VEIL, camera};
+use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky};
+use halflight::scene::build::Scene;
+use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::settings::{ChainSettings, half_vector_flag, integrator_kind};
+
+const ORIGINAL: u32 = half_vector_flag::ORIGINAL;
+const GLOBAL: u32 = half_vector_flag::GLOBAL_ROUGHNESS;
+const PROJECTED: u32 = half_vector_flag::PROJECTED;
+
+/// Chains of nothing but these mutations.
+fn alone(manifold: f32, half_vector: f32, flags: u32) -> ChainSettings {
+    ChainSettings {
+        candidates: 2048,
+        chains: 16,
+        mutations: 128,
+        direct_samples: 0,
+        bidirectional_weight: 0.0,
+        lens_weight: 0.0,
+        caustic_weight: 0.0,
+        multi_chain_weight: 0.0,
+        manifold_weight: manifold,
+        half_vector_weight: half_vector,
+        half_vector_flags: flags,
+        ..ChainSettings::DEFAULT
+    }
+}
+
+fn manifold() -> ChainSettings {
+    alone(1.0, 0.0, 0)
+}
+
+fn half_vector(flags: u32) -> ChainSettings {
+    alone(0.0, 1.0, flags)
+}
+
+/// The bidirectional mutation and all others.
+fn all() -> ChainSettings {
+    ChainSettings {
+        bidirectional_weight: 1.0,
+        lens_weight: 1.0,
+        caustic_weight: 1.0,
+        multi_chain_weight: 1.0,
+        ..alone(1.0, 1.0, 0)
+    }
+}
+
+/// Every mutation alone in every form, and all together.
+fn variants() -> Vec<(&'static str, ChainSettings)> {
+    vec![
+        ("manifold", manifold()),
+        ("half vectors", half_vector(0)),
+        ("half vectors, original", half_vector(ORIGINAL)),
+        ("half vectors, global roughness", half_vector(GLOBAL)),
+        ("half vectors, projected", half_vector(PROJECTED)),
+        (
+            "half vectors, original, projected",
+            half_vector(ORIGINAL | PROJECTED),
+        ),
+        ("all", all()),
+    ]
+}
+
+fn agree_with(
+    what: &str,
+    scene: &mut Scene,
+    kind: u32,
+    variants: &[(&str, ChainSettings)],
+) -> Vec<Result<(), String>> {
+    let settings = settings_of(scene, kind);
+    let truth = Batches::render(what, scene, settings, 384);
+    variants
+        .iter()
+        .map(|(name, chains)| {
+            let what = format!("{what}, {name}");
+            let settings = IntegratorSettings {
+                chains: *chains,
+                ..settings_of(scene, integrator_kind::VEACH_MLT)
+            };
+            let found = Batches::render(&what, scene, settings, 6);
+            let error = truth.relative_error().hypot(found.relative_error());
+            if error > 0.03 {
+                return Err(format!("{what}: noise of {error:.3} hides everything"));
+            }
+            compare(&what, &truth, &found)
+        })
+        .collect()
+}
+
+/// A sheet of rough glass, a mirror, a coated ball with the normals of a sphere on eight triangles.
+const ROUGH_SHEET: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.5"/>
+    <rotate y="1" angle="20"/><translate x="-0.3" y="1" z="1"/></transform>
+    <bsdf type="roughdielectric"><float name="alpha" value="0.1"/></bsdf></shape>"#;
+const FACETS: &str = r#"<shape type="obj"><string name="filename" value="sphere.obj"/>
+    <transform name="to_world"><scale value="0.4"/><rotate x="1" angle="15"/><translate x="0.6" y="0.45" z="0.2"/></transform>
+    <bsdf type="roughplastic"><float name="alpha" value="0.15"/></bsdf></shape>"#;
+const MIRROR: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.6"/>
+    <rotate y="1" angle="-40"/><translate x="1" y="0.7" z="-0.3"/></transform>
+    <bsdf type="twosided"><bsdf type="conductor"/></bsdf></shape>"#;
+
+#[test]
+fn diffuse_paths_keep_the_image() {
+    let mut scene = scene(&[PINHOLE, &room(DIFFUSE), LAMP].concat(), &[]);
+    let kind = integrator_kind::PATH;
+    report(agree_with("lamp", &mut scene, kind, &variants()));
+}
+
+#[test]
+fn glass_and_mirrors_keep_the_image() {
+    let mut scene = scene(&[PINHOLE, &room(GLOSSY), LAMP, BALL, MIRROR].concat(), &[]);
+    let kind = integrator_kind::BIDIRECTIONAL;
+    report(agree_with(
+        "glass and mirror",
+        &mut scene,
+        kind,
+        &variants(),
+    ));
+}
+
+#[test]
+fn rough_glass_and_smooth_normals_keep_the_image() {
+    let files: &[NamedFile<'_>] = &[("sphere.obj", &faceted_sphere)];
+    let content = [PINHOLE, &room(GLOSSY), LAMP, ROUGH_SHEET, FACETS].concat();
+    let mut scene = scene(&content, files);
+    let kind = integrator_kind::BIDIRECTIONAL;
+    report(agree_with("rough glass", &mut scene, kind, &variants()));
+}
+
+#[test]
+fn every_light_camera_and_mask_keeps_the_image() {
+    let files: &[NamedFile<'_>] = &[("sky.exr", &sky)];
+    let thin = camera(
+        "thinlens",
+        r#"<float name="aperture_radius" value="0.3"/><float name="focus_distance" value="3"/>"#,
+    );
+    let parallel = PINHOLE
+        .replace("perspective", "orthographic")
+        .replace(r#"<float name="fov" value="60"/>"#, "");
+    let coated = r#"<bsdf type="plastic"/>"#;
+    let mut results = Vec::new();
+    for (what, content, kind) in [
+        (
+            "point light through glass",
+            [PINHOLE, &room(DIFFUSE), POINT, BALL].concat(),
+            integrator_kind::BIDIRECTIONAL,
+        ),
+        (
+            "sky through glass",
+            [PINHOLE, &room(DIFFUSE), SKY, BALL].concat(),
+            integrator_kind::BIDIRECTIONAL,
+        ),
+        (
+            "veil",
+            [PINHOLE, &room(DIFFUSE), LAMP, VEIL].concat(),
+            integrator_kind::PATH,
+        ),
+        (
+            "coats through a thin lens",
+            [&thin, &room(coated), LAMP].concat(),
+            integrator_kind::PATH,
+        ),
+        (
+            "parallel rays",
+            [&parallel, &room(coated), LAMP, MIRROR].concat(),
+            integrator_kind::BIDIRECTIONAL,
+        ),
+    ] {
+        let mut scene = scene(&content, files);
+        let variants = [
+            ("manifold", manifold()),
+            ("half vectors", half_vector(0)),
+            ("half vectors, original", half_vector(ORIGINAL)),
+        ];
+        results.extend(agree_with(what, &mut scene, kind, &variants));
+    }
+    report(results);
+}
+
+#[test]
+fn limits_of_depth_and_hidden_lamps_keep_the_image() {
+    let mut scene = scene(&[PINHOLE, &room(GLOSSY), LAMP, MIRROR].concat(), &[]);
+    scene.settings.rules.max_depth = 3;
+    scene.settings.rules.hide_emitters = 1;
+    let kind = integrator_kind::BIDIRECTIONAL;
+    report(agree_with(
+        "hidden lamp, three edges",
+        &mut scene,
+        kind,
+        &[("all", all()), ("half vectors", half_vector(0))],
+    ));
+}

@@ -122,6 +122,44 @@ fn refraction_has_the_roughness_of_its_normals() {
     assert!(transmitted > 500);
 }
 
+/// The roughness of a GGX lobe grows with the slope of the half vector, so it tells a wrong index in that from the right one.
+#[test]
+fn refraction_takes_the_generalised_half_vector() {
+    let l = glossy(lobe_kind::ROUGH_DIELECTRIC, distribution::GGX, 0.3);
+    let mut random = Random(6);
+    let mut counts = [0; 3];
+    for _ in 0..4_000 {
+        let wi = random.direction();
+        let s = lobe::sample(&l, &[], wi, random.next_1d(), random.next_2d());
+        if !(s.pdf > 1e-6 && lobe::eval_cosine(&l, &[], wi, s.wo).x > 0.0) {
+            continue;
+        }
+        let is_transmitted = wi.z * s.wo.z < 0.0;
+        // The index beyond the surface over that on this side: 1.5 from outside.
+        let eta = match (is_transmitted, wi.z > 0.0) {
+            (false, _) => 1.0,
+            (true, true) => 1.5,
+            (true, false) => 1.0 / 1.5,
+        };
+        counts[if !is_transmitted {
+            0
+        } else {
+            1 + usize::from(wi.z > 0.0)
+        }] += 1;
+        let h = (wi.as_dvec3() + s.wo.as_dvec3() * eta).normalize();
+        let t2 = (1.0 - h.z * h.z) / (h.z * h.z);
+        let want = (0.5 * (f64::from(0.3f32).powi(2) + t2)).sqrt();
+        let got = roughness(&[l], wi, s.wo);
+        // Half vectors of directions that hardly bend are rounded.
+        assert!(
+            (got / want - 1.0).abs() < 2e-3,
+            "{wi} {}: {got}, not {want}",
+            s.wo
+        );
+    }
+    assert!(counts.iter().all(|n| *n > 200), "{counts:?}");
+}
+
 #[test]
 fn diffuse_lobes_widen_the_tail_alone() {
     // Figure 2 of the paper: a narrow lobe over a diffuse one, along the lobe at one incidence.

@@ -183,6 +183,31 @@ fn proposals_take_the_smaller_step() {
                             let own = x.alpha / 2.0f32.sqrt();
                             prop_assert!((p.deviation - own).length() < 1e-4 * own.length());
                         }
+                        // Along each axis the smaller of the two, neither less: the section of the BSDF's ellipse,
+                        // 1 / sqrt(d^T Sigma^-1 d).
+                        let section = |d: Vec2| {
+                            let (d, a) = (d.as_dvec2(), x.alpha_axis.as_dvec2());
+                            let s = x.alpha.as_dvec2() / 2.0f64.sqrt();
+                            1.0 / (d.dot(a).powi(2) / (s.x * s.x)
+                                + d.dot(a.perp()).powi(2) / (s.y * s.y))
+                                .sqrt()
+                        };
+                        for (axis, d) in [p.axis, p.axis.perp()].into_iter().enumerate() {
+                            let own = section(d).min(f64::from(LARGEST_DEVIATION));
+                            let limit = f64::from(image.length[axis]) * f64::from(weights[i]);
+                            let expected = own.min(limit);
+                            let got = f64::from(p.deviation[axis]);
+                            if x.alpha.min_element() > 0.0 && x.alpha.max_element() < 2.0 {
+                                prop_assert!(
+                                    (got - expected).abs() <= 1e-4 * expected + 1e-9,
+                                    "{got}, not {expected}"
+                                );
+                                // The exponents of the lobe on the disk belong to the same axes.
+                                let exponent = (1.0 / (expected * expected) - 3.0).clamp(0.0, 1e12);
+                                let got = f64::from(disk_proposal(&p).exponent[axis]);
+                                prop_assert!((got - exponent).abs() <= 1e-3 * (exponent + 3.0));
+                            }
+                        }
                         if x.alpha == Vec2::ZERO {
                             prop_assert_eq!(p.sample(Vec2::splat(0.9)), h);
                         }
@@ -280,6 +305,11 @@ fn breakup_points_have_their_probabilities() {
         assert!((p[i] - expected[i]).abs() < 1e-6);
     }
     probabilities_b(&vertices, 5, &mut p);
+    // 0.2, 0.1 and 0.4 of what the two ends leave.
+    let expected = [0.1, 0.8 * 2.0 / 7.0, 0.8 / 7.0, 0.8 * 4.0 / 7.0, 0.1];
+    for i in 0..5 {
+        assert!((p[i] - expected[i]).abs() < 1e-6);
+    }
     let mut counts = [0u32; 8];
     let mut random = Random(8);
     for _ in 0..100_000 {

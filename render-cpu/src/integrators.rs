@@ -126,6 +126,12 @@ pub const INTEGRATORS: &[Integrator] = &[
         Chains,
         "energy redistribution path tracing",
     ),
+    integrator(
+        "meerpt",
+        VEACH_MLT,
+        Chains,
+        "energy redistribution path tracing by manifold exploration",
+    ),
     also(
         &["ppm"],
         integrator(

@@ -106,7 +106,7 @@ pub fn mutate<T: Traverse, const N: usize>(
 
 /// |det J| over the inner vertices: rows of pinned directions are eliminated with their endpoints.
 #[inline]
-fn density_factor<const N: usize>(jacobian: &ChainJacobian<N>) -> Scaled {
+pub fn density_factor<const N: usize>(jacobian: &ChainJacobian<N>) -> Scaled {
     if !jacobian.is_regular() || jacobian.len < 2 || jacobian.len > N {
         return Scaled::ZERO;
     }

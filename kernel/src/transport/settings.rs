@@ -121,6 +121,10 @@ pub mod half_vector_flag {
     pub const GLOBAL_ROUGHNESS: u32 = 2;
     /// Half vectors projected onto the tangent plane, with Phong lobes, instead of slopes with Gaussians.
     pub const PROJECTED: u32 = 4;
+    /// Steps of the same width at all materials, as if their roughness were one.
+    pub const EQUAL_STEPS: u32 = 8;
+    /// Steps from the roughness alone, however far they lead over the image.
+    pub const UNSTRATIFIED: u32 = 16;
 }
 
 impl ChainSettings {
@@ -144,7 +148,7 @@ impl ChainSettings {
         half_vector_weight: 0.0,
         lambda: 50.0,
         half_vector_flags: 0,
-        half_vector_step: 0.5,
+        half_vector_step: 0.2,
     };
 
     /// Fewest mutations of a group: enough for its chains to be long and its start-up to be cheap.

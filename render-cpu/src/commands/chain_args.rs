@@ -2,7 +2,8 @@
 
 use crate::render::{Shape, shape};
 use crate::scene::build::Scene;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use halflight_kernel::transport::settings::half_vector_flag;
 
 /// What the command line changes about chains.
 #[derive(Args, Clone, Debug)]
@@ -14,6 +15,42 @@ pub struct ChainArgs {
     /// Chains in a group (pssmlt, mmlt, mlt).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     pub chains: Option<u32>,
+    /// The half-vector mutation that breaks paths up, or the original one of whole paths (hslt).
+    #[arg(long, value_name = "NAME")]
+    pub hslt: Option<HalfVectorName>,
+    /// Steps of half vectors from the roughness at a pair of directions, or from the largest of a material (hslt).
+    #[arg(long, value_name = "NAME")]
+    pub roughness: Option<RoughnessName>,
+    /// Half vectors as slopes with Gaussian steps, or projected onto the surface with Phong lobes (hslt).
+    #[arg(long, value_name = "NAME")]
+    pub half_vectors: Option<HalfVectorForm>,
+}
+
+/// Half-vector mutations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HalfVectorName {
+    /// That of the thesis.
+    Original,
+    /// The one that breaks paths up.
+    Improved,
+}
+
+/// Roughness from which steps of half vectors come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RoughnessName {
+    /// At a pair of directions.
+    Local,
+    /// The largest of a material.
+    Global,
+}
+
+/// Coordinates of half vectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HalfVectorForm {
+    /// On the plane.
+    Slopes,
+    /// On the disk.
+    Projected,
 }
 
 impl ChainArgs {
@@ -35,6 +72,33 @@ impl ChainArgs {
         }
         if let Some(chains) = self.chains {
             own.chains = chains;
+        }
+        let choices = [
+            (
+                self.hslt.map(|n| n == HalfVectorName::Original),
+                half_vector_flag::ORIGINAL,
+            ),
+            (
+                self.roughness.map(|n| n == RoughnessName::Global),
+                half_vector_flag::GLOBAL_ROUGHNESS,
+            ),
+            (
+                self.half_vectors.map(|n| n == HalfVectorForm::Projected),
+                half_vector_flag::PROJECTED,
+            ),
+        ];
+        for (choice, flag) in choices {
+            let Some(is_set) = choice else { continue };
+            if !(own.half_vector_weight > 0.0) {
+                return Err(
+                    "--hslt, --roughness and --half-vectors are for the half-vector mutation (--integrator hslt)"
+                        .to_string(),
+                );
+            }
+            own.half_vector_flags &= !flag;
+            if is_set {
+                own.half_vector_flags |= flag;
+            }
         }
         Ok(())
     }

@@ -13,6 +13,7 @@ use crate::render::{
 };
 use crate::say::print_line;
 use crate::scene::build::Scene;
+use halflight_kernel::transport::integrator_kind;
 use std::error::Error;
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
@@ -77,6 +78,16 @@ pub fn run_with(
         && !own_layers(scene.settings.kind).contains(Aov::Bandwidth)
     {
         return Err("the layer bandwidth is of adaptive photon mapping (--integrator appm)".into());
+    }
+    let of_chains = Aov::OF_CHAINS
+        .iter()
+        .find(|aov| args.asked_layers(&scene).contains(**aov));
+    if let Some(aov) = of_chains
+        && scene.settings.kind != integrator_kind::VEACH_MLT
+    {
+        return Err(
+            format!("the layer {aov} is of chains of whole paths (--integrator hslt)").into(),
+        );
     }
     if args.adaptive && shape(scene.settings.kind) != Shape::Pixels {
         return Err(

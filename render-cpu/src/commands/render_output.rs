@@ -7,6 +7,7 @@ use super::render_state::CLAMP;
 use crate::atomic_file::WriteError;
 use crate::film::Film;
 use crate::film::aov::Aov;
+use crate::film::chain_counts::describe;
 use crate::image::camera_attributes::{world_to_camera, world_to_ndc};
 use crate::image::exr_output::{LayeredImage, write_exr};
 use crate::image::picture::Picture;
@@ -211,6 +212,9 @@ impl RenderArgs {
             if unit.0 > 1 { "mutations" } else { "samples" },
             state.seconds
         ));
+        for (name, counts) in film.chain_counts().iter() {
+            tracing::info!("{}", describe(name, counts));
+        }
     }
 
     /// What a run took, as JSON.
@@ -240,6 +244,7 @@ impl RenderArgs {
             "seconds": state.seconds,
             "passes": state.passes,
             "relative_noise": film.relative_noise(),
+            "mutations": film.chain_counts().json(),
             "warnings": scene.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
     }

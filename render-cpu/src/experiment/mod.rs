@@ -12,6 +12,7 @@ pub mod half_vector_flatness;
 pub mod mollified_estimator;
 mod report;
 pub mod search;
+pub mod steps;
 
 pub use report::Report;
 
@@ -26,7 +27,7 @@ pub struct Experiment {
 }
 
 /// All experiments.
-pub const ALL: [Experiment; 4] = [
+pub const ALL: [Experiment; 5] = [
     Experiment {
         name: "mollified-estimator",
         about: "bias, variance and error of a mollified delta against the exponent of its bandwidth",
@@ -46,5 +47,10 @@ pub const ALL: [Experiment; 4] = [
         name: "half-vector-flatness",
         about: "how flat and how decorrelated a path's contribution is in half-vector space",
         run: half_vector_flatness::run,
+    },
+    Experiment {
+        name: "steps",
+        about: "how far half vectors step: from the roughness of materials, or the same everywhere",
+        run: steps::run,
     },
 ];

@@ -31,11 +31,19 @@ pub enum Aov {
     Samples,
     /// Radius of the pixel's next density estimate, in scene units: of adaptive photon mapping, whose statistics are kept with it.
     Bandwidth,
+    /// Mean probability of acceptance of the mutations of paths that the pixel sees.
+    Acceptance,
+    /// Mean number of iterations of their walks on manifolds.
+    Iterations,
+    /// Share of them that jump to another sub-manifold.
+    Jumps,
+    /// Number of them: where chains spend their time.
+    Mutations,
 }
 
 impl Aov {
     /// Every output variable, in the order of the accumulators.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 13] = [
         Self::Albedo,
         Self::Normal,
         Self::Depth,
@@ -45,6 +53,18 @@ impl Aov {
         Self::Variance,
         Self::Samples,
         Self::Bandwidth,
+        Self::Acceptance,
+        Self::Iterations,
+        Self::Jumps,
+        Self::Mutations,
+    ];
+
+    /// The variables that Markov chains of whole paths have.
+    pub const OF_CHAINS: [Self; 4] = [
+        Self::Acceptance,
+        Self::Iterations,
+        Self::Jumps,
+        Self::Mutations,
     ];
 
     /// Name on the command line and of the EXR layer.
@@ -59,6 +79,10 @@ impl Aov {
             Self::Variance => "variance",
             Self::Samples => "samples",
             Self::Bandwidth => "bandwidth",
+            Self::Acceptance => "acceptance",
+            Self::Iterations => "iterations",
+            Self::Jumps => "jumps",
+            Self::Mutations => "mutations",
         }
     }
 
@@ -69,7 +93,13 @@ impl Aov {
             Self::Normal | Self::Position => &["X", "Y", "Z"],
             Self::Depth => &["Z"],
             Self::Uv => &["U", "V"],
-            Self::Alpha | Self::Samples | Self::Bandwidth => &[],
+            Self::Alpha
+            | Self::Samples
+            | Self::Bandwidth
+            | Self::Acceptance
+            | Self::Iterations
+            | Self::Jumps
+            | Self::Mutations => &[],
         }
     }
 
@@ -78,7 +108,11 @@ impl Aov {
         match self {
             Self::Alpha => Some("A"),
             Self::Samples => Some("samples"),
-            Self::Bandwidth => Some("bandwidth"),
+            Self::Bandwidth
+            | Self::Acceptance
+            | Self::Iterations
+            | Self::Jumps
+            | Self::Mutations => Some(self.name()),
             _ => None,
         }
     }
@@ -91,6 +125,9 @@ impl Aov {
             Self::Depth | Self::Alpha => 1,
             Self::Variance | Self::Samples => 0,
             Self::Bandwidth => BANDWIDTH_NUMBERS,
+            // A sum, and the number of what it is a sum of.
+            Self::Acceptance | Self::Iterations | Self::Jumps => 2,
+            Self::Mutations => 1,
         }
     }
 
@@ -108,7 +145,7 @@ impl fmt::Display for Aov {
 /// A name that is no output variable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, alpha, variance, samples, bandwidth, or all)"
+    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, alpha, variance, samples, bandwidth, acceptance, iterations, jumps, mutations, or all)"
 )]
 pub struct UnknownAov(pub String);
 
@@ -141,7 +178,7 @@ impl AovSet {
         self.0 & aov.bit() != 0
     }
 
-    /// Every variable that any algorithm has: all but the state of one.
+    /// Every variable that any algorithm has: all but the states of some.
     pub const ALL: Self = Self(Aov::Bandwidth.bit() - 1);
 
     /// The variables of both sets.

@@ -9,6 +9,7 @@
 
 pub mod adaptive;
 pub mod aov;
+pub mod chain_counts;
 pub mod checkpoint;
 pub mod exact_sum;
 pub mod owed;
@@ -16,10 +17,11 @@ mod pixel_statistics;
 mod tile;
 
 use aov::{Aov, AovSet};
+use chain_counts::ChainCounts;
 use owed::Owed;
 
 pub use pixel_statistics::{PixelStatistics, luminance};
-pub use tile::{FilmTile, PixelMut};
+pub use tile::{ChainSteps, FilmTile, PixelMut};
 
 /// Why a film cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -46,6 +48,8 @@ pub struct Film {
     owed: Option<Owed>,
     /// What the largest component of a sample is brought down to; infinite by default.
     clamp: f32,
+    /// What became of the mutations of chains.
+    chain_counts: ChainCounts,
 }
 
 impl Film {
@@ -91,6 +95,7 @@ impl Film {
             aov_sums,
             owed: None,
             clamp: f32::INFINITY,
+            chain_counts: ChainCounts::default(),
         })
     }
 
@@ -137,6 +142,16 @@ impl Film {
     /// Brings the largest component of every sample from now on down to `clamp`: fewer fireflies, and a bias.
     pub fn set_clamp(&mut self, clamp: f32) {
         self.clamp = clamp;
+    }
+
+    /// What became of the mutations of the chains of this run.
+    pub fn chain_counts(&self) -> &ChainCounts {
+        &self.chain_counts
+    }
+
+    /// To add to them.
+    pub fn chain_counts_mut(&mut self) -> &mut ChainCounts {
+        &mut self.chain_counts
     }
 
     /// Samples of every pixel, where all have as many.
@@ -263,6 +278,11 @@ impl Film {
             // What is kept for the next pass is no sum over samples.
             Aov::Bandwidth if self.aovs.contains(aov) => {
                 self.aov_sums[pixel * self.aovs.accumulators() + self.aovs.offset(aov)]
+            }
+            Aov::Acceptance | Aov::Iterations | Aov::Jumps if self.aovs.contains(aov) => {
+                let start = pixel * self.aovs.accumulators() + self.aovs.offset(aov);
+                let [sum, number] = [0, 1].map(|i| self.aov_sums[start + i]);
+                if number > 0.0 { sum / number } else { 0.0 }
             }
             _ if !self.aovs.contains(aov) || statistics.count == 0 => 0.0,
             _ => {

@@ -50,6 +50,27 @@ impl PixelMut<'_> {
             .then(|| &mut self.aov_sums[start..start + BANDWIDTH_NUMBERS])
     }
 
+    /// Adds what mutations of the pixel's paths came to: the sums of their probabilities of acceptance, of their walks and
+    /// iterations and of jumps, and their number.
+    pub fn add_chain_steps(&mut self, steps: &ChainSteps) {
+        for aov in Aov::OF_CHAINS {
+            if !self.aovs.contains(aov) {
+                continue;
+            }
+            let numbers = match aov {
+                Aov::Acceptance => [steps.acceptance, steps.mutations],
+                Aov::Iterations => [steps.iterations, steps.walks],
+                Aov::Jumps => [steps.jumps, steps.mutations],
+                _ => [steps.mutations, 0.0],
+            };
+            let start = self.aovs.offset(aov);
+            let sums = &mut self.aov_sums[start..start + aov.accumulators()];
+            for (sum, number) in sums.iter_mut().zip(numbers) {
+                *sum += f64::from(number);
+            }
+        }
+    }
+
     /// Adds the surface features of one sample; call it once per [`Self::add_sample`] if
     /// [`AovSet::needs_surface`]. Features that are not finite count as zero.
     pub fn add_aovs(&mut self, sample: &AovSample) {
@@ -63,8 +84,8 @@ impl PixelMut<'_> {
                 Aov::Uv => &sample.uv,
                 Aov::Alpha if sample.depth > 0.0 => &[1.0],
                 Aov::Alpha => &[0.0],
-                // The last of all, and no feature of the surface.
-                Aov::Variance | Aov::Samples | Aov::Bandwidth => &[],
+                // No features of the surface; those that have numbers come after all that are.
+                _ => &[],
             };
             for &value in values {
                 if value.is_finite() {
@@ -74,6 +95,21 @@ impl PixelMut<'_> {
             }
         }
     }
+}
+
+/// Sums over mutations of the paths that a pixel sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ChainSteps {
+    /// Probabilities of acceptance.
+    pub acceptance: f32,
+    /// Walks on manifolds.
+    pub walks: f32,
+    /// Their iterations.
+    pub iterations: f32,
+    /// Jumps between sub-manifolds.
+    pub jumps: f32,
+    /// Mutations.
+    pub mutations: f32,
 }
 
 /// A rectangle of a film that one thread works on.

@@ -74,7 +74,7 @@ impl LayeredImage {
                 Aov::Samples => Some(ChannelValues::Count(
                     statistics.iter().map(|p| p.count).collect(),
                 )),
-                Aov::Alpha | Aov::Bandwidth => Some(ChannelValues::Float(
+                _ if aov.channel().is_some() => Some(ChannelValues::Float(
                     (0..statistics.len())
                         .map(|i| film.aov_mean(aov, 0, i) as f32)
                         .collect(),

@@ -1,7 +1,7 @@
 //! Metadata of a rendered image: the attributes of its EXR file.
 //!
 //! Attributes are text, named `scene`, `integrator`, `sampler`, `seed`, `sampleRanges`, `software`, `owner`, `sceneDigest` and
-//! `settings` (JSON), so that every EXR tool shows them, or numbers: `spp`, `renderSeconds`, `samplesPerPixel`. `sceneDigest` and
+//! `settings` and `mutations` (JSON), so that every EXR tool shows them, or numbers: `spp`, `renderSeconds`, `samplesPerPixel`. `sceneDigest` and
 //! `settings` tell images that belong together. `sampleRanges` is the record that makes merging safe: which samples
 //! of which seeds the image holds, as in `1:0..64 2:0..64`.
 
@@ -100,6 +100,8 @@ pub struct ImageMetadata {
     pub scene_digest: String,
     /// What else decides the radiance that an image estimates, by name, and the sampler.
     pub settings: BTreeMap<String, String>,
+    /// What became of the mutations of Markov chains in the last run, as JSON; empty where there were none.
+    pub mutations: String,
 }
 
 impl ImageMetadata {
@@ -120,6 +122,9 @@ impl ImageMetadata {
         if !self.settings.is_empty() {
             let json = serde_json::json!(self.settings).to_string();
             attributes.push(("settings", json));
+        }
+        if !self.mutations.is_empty() {
+            attributes.push(("mutations", self.mutations.clone()));
         }
         if !self.sample_ranges.is_empty() {
             let join = |items: Vec<String>| items.join(" ");
@@ -180,6 +185,7 @@ impl ImageMetadata {
             world_to_ndc: None,
             scene_digest: text("sceneDigest"),
             settings: serde_json::from_str(&text("settings")).unwrap_or_default(),
+            mutations: text("mutations"),
         })
     }
 }

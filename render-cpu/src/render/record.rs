@@ -161,6 +161,10 @@ pub fn image_metadata(
         render_seconds: state.seconds,
         scene_digest,
         settings,
+        mutations: film
+            .chain_counts()
+            .json()
+            .map_or_else(String::new, |json| json.to_string()),
         ..ImageMetadata::default()
     }
 }

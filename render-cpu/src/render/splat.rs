@@ -48,6 +48,11 @@ impl SplatFilter {
         }
     }
 
+    /// A film position from the window's corner on.
+    pub fn in_window(&self, film: Vec2) -> Vec2 {
+        film - Vec2::new(self.offset[0] as f32, self.offset[1] as f32)
+    }
+
     /// Rows of the window that a splat reaches.
     pub fn rows(&self, splat: &Splat) -> std::ops::Range<u32> {
         self.reach(1, splat.film.y)

@@ -5,8 +5,11 @@
 use crate::agreement::{Batches, compare, report, settings_of};
 use crate::brightness::{BALL, DIFFUSE, GLOSSY, POINT, SKY, VEIL, camera};
 use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky};
+use halflight::film::aov::Aov;
+use halflight::render::{Goal, RenderOptions, render_film};
 use halflight::scene::build::Scene;
 use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::markov::algorithm::MutationCounts;
 use halflight_kernel::transport::settings::{ChainSettings, half_vector_flag, integrator_kind};
 
 const ORIGINAL: u32 = half_vector_flag::ORIGINAL;
@@ -62,6 +65,20 @@ fn variants() -> Vec<(&'static str, ChainSettings)> {
             "half vectors, original, projected",
             half_vector(ORIGINAL | PROJECTED),
         ),
+        (
+            "half vectors, equal steps",
+            ChainSettings {
+                half_vector_step: 0.1,
+                ..half_vector(half_vector_flag::EQUAL_STEPS)
+            },
+        ),
+        (
+            "half vectors, original, wide and unstratified",
+            ChainSettings {
+                half_vector_step: 1.0,
+                ..half_vector(ORIGINAL | half_vector_flag::UNSTRATIFIED)
+            },
+        ),
         ("all", all()),
     ]
 }
@@ -107,7 +124,13 @@ const MIRROR: &str = r#"<shape type="rectangle"><transform name="to_world"><scal
 fn diffuse_paths_keep_the_image() {
     let mut scene = scene(&[PINHOLE, &room(DIFFUSE), LAMP].concat(), &[]);
     let kind = integrator_kind::PATH;
-    report(agree_with("lamp", &mut scene, kind, &variants()));
+    let variants = [
+        ("manifold", manifold()),
+        ("half vectors", half_vector(0)),
+        ("half vectors, original", half_vector(ORIGINAL)),
+        ("half vectors, projected", half_vector(PROJECTED)),
+    ];
+    report(agree_with("lamp", &mut scene, kind, &variants));
 }
 
 #[test]
@@ -193,4 +216,44 @@ fn limits_of_depth_and_hidden_lamps_keep_the_image() {
         kind,
         &[("all", all()), ("half vectors", half_vector(0))],
     ));
+}
+
+/// Maps of the image count every mutation once, and agree with what is counted beside them.
+#[test]
+fn maps_count_all_mutations() {
+    let mut scene = scene(&[PINHOLE, &room(GLOSSY), LAMP, BALL].concat(), &[]);
+    scene.settings.kind = integrator_kind::VEACH_MLT;
+    scene.settings.chains = all();
+    let options = RenderOptions {
+        goal: Goal::Samples(3),
+        seed: 4,
+        first_sample: 0,
+        adaptive: false,
+    };
+    let layers = Aov::OF_CHAINS.into_iter().collect();
+    let film = render_film(&scene, &options, layers).unwrap();
+    let pixels = film.statistics().len();
+    let of = |aov| -> Vec<f64> { (0..pixels).map(|i| film.aov_mean(aov, 0, i)).collect() };
+    let mutations = of(Aov::Mutations);
+    let per_group: f64 = mutations.iter().sum();
+    assert_eq!(per_group, 128.0 * pixels as f64);
+    let mean = |aov| -> f64 {
+        let sum = of(aov)
+            .iter()
+            .zip(&mutations)
+            .map(|(a, n)| a * n)
+            .sum::<f64>();
+        sum / per_group
+    };
+    let mut counted = MutationCounts::default();
+    for (_, counts) in film.chain_counts().iter() {
+        counted.merge(counts);
+    }
+    let share = |n: u64| n as f64 / counted.proposed as f64;
+    assert_eq!(counted.proposed as f64, 3.0 * per_group);
+    // Accepted at random: 18432 trials.
+    assert!((mean(Aov::Acceptance) - share(counted.accepted)).abs() < 0.02);
+    assert!((mean(Aov::Jumps) - share(counted.walks.jumps)).abs() < 1e-6);
+    assert!(counted.walks.found > 100 && counted.walks.irreversible < counted.walks.found / 2);
+    assert!(of(Aov::Iterations).iter().any(|n| *n > 1.0));
 }

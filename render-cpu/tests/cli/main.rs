@@ -1,6 +1,7 @@
 //! The command `halflight` as its users meet it: exit codes, files, messages.
 
 mod bad_input;
+mod chains;
 mod comparing;
 mod going_on;
 mod images;

@@ -44,7 +44,7 @@ fn fill(film: &mut Film, tile: u32, samples: std::ops::Range<u32>) {
 
 fn all() -> AovSet {
     // The state of photon mapping is no layer of samples.
-    let layers = Aov::ALL.into_iter().filter(|aov| *aov != Aov::Bandwidth);
+    let layers = AovSet::ALL.iter();
     layers.collect()
 }
 

@@ -1,6 +1,7 @@
 //! What a driver of chains needs to know of an algorithm.
 
 use super::state::Splat;
+use glam::Vec2;
 
 /// Counts of what became of walks on manifolds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +32,21 @@ impl WalkCounts {
         self.jumps += other.jumps;
         self.accepted_jumps += other.accepted_jumps;
     }
+}
+
+/// What became of one mutation, for maps of the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepRecord {
+    /// Film position of the state before, in pixels of the whole film.
+    pub film: Vec2,
+    /// Probability of its acceptance.
+    pub acceptance: f32,
+    /// Walks on manifolds.
+    pub walks: u32,
+    /// Their iterations.
+    pub iterations: u32,
+    /// Whether a jump led to a path.
+    pub is_jump: bool,
 }
 
 /// Counts of what became of proposals.
@@ -75,6 +91,11 @@ pub trait ChainAlgorithm: Sync {
 
     /// Names of the mutations.
     fn mutations(&self) -> &'static [&'static str];
+
+    /// Where the last mutation started, and what became of it; nothing if states have no one place on the film.
+    fn last_step(_chain: &Self::Chain) -> Option<StepRecord> {
+        None
+    }
 
     /// What became of each.
     fn counts(chain: &Self::Chain) -> &[MutationCounts];

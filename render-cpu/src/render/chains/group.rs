@@ -7,8 +7,9 @@
 
 use super::super::splat::{Splat, SplatFilter};
 use super::super::stop::Stop;
+use crate::film::ChainSteps;
 use halflight_kernel::transport::markov::ChainAlgorithm;
-use halflight_kernel::transport::markov::algorithm::MutationCounts;
+use halflight_kernel::transport::markov::algorithm::{MutationCounts, StepRecord};
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator,
 };
@@ -43,6 +44,8 @@ pub struct GroupImage {
     pub sums: Vec<[f32; 3]>,
     /// What became of each kind of mutation.
     pub counts: Vec<MutationCounts>,
+    /// What became of the mutations of the paths that each pixel sees, if that was asked for.
+    pub steps: Option<Vec<ChainSteps>>,
 }
 
 /// The path of a candidate.
@@ -57,6 +60,7 @@ struct Weighed {
 struct Task<C> {
     chain: C,
     bands: Vec<Vec<Splat>>,
+    records: Vec<StepRecord>,
 }
 
 /// Runs a group for a window of `width` x `height` pixels; `offset` in [0, 1) chooses the starts. None
@@ -67,11 +71,14 @@ pub fn run<A: ChainAlgorithm>(
     offset: f32,
     filter: &SplatFilter,
     [width, height]: [u32; 2],
+    with_steps: bool,
     stop: &Stop<'_>,
 ) -> Option<GroupImage> {
+    let pixels = width as usize * height as usize;
     let mut image = GroupImage {
-        sums: vec![[0.0; 3]; width as usize * height as usize],
+        sums: vec![[0.0; 3]; pixels],
         counts: vec![MutationCounts::default(); algorithm.mutations().len()],
+        steps: with_steps.then(|| vec![ChainSteps::default(); pixels]),
     };
     let candidates = weigh(algorithm, size.candidates);
     let total: f64 = candidates.iter().map(|c| f64::from(c.weight)).sum();
@@ -89,6 +96,7 @@ pub fn run<A: ChainAlgorithm>(
             .map(|(number, start)| Task {
                 chain: algorithm.start(start.candidate, start.member, number),
                 bands: vec![Vec::new(); bands],
+                records: Vec::new(),
             })
             .collect();
         let mut done = 0;
@@ -100,8 +108,13 @@ pub fn run<A: ChainAlgorithm>(
             done += round;
             let is_last = done == size.steps;
             tasks.par_iter_mut().for_each(|task| {
-                let Task { chain, bands } = task;
+                let Task {
+                    chain,
+                    bands,
+                    records,
+                } = task;
                 bands.iter_mut().for_each(Vec::clear);
+                records.clear();
                 let mut add = |splat: halflight_kernel::transport::markov::Splat| {
                     let splat = Splat {
                         film: splat.film,
@@ -116,11 +129,18 @@ pub fn run<A: ChainAlgorithm>(
                 };
                 for _ in 0..round {
                     algorithm.step(chain, b, &mut add);
+                    if with_steps {
+                        records.extend(A::last_step(chain));
+                    }
                 }
                 if is_last {
                     algorithm.finish(chain, b, &mut add);
                 }
             });
+            if let Some(steps) = &mut image.steps {
+                let records = tasks.iter().flat_map(|task| &task.records);
+                records.for_each(|record| add_record(steps, record, filter, [width, height]));
+            }
             let rows = BAND as usize * width as usize;
             image
                 .sums
@@ -141,6 +161,23 @@ pub fn run<A: ChainAlgorithm>(
         }
     }
     Some(image)
+}
+
+/// Adds a mutation to the sums of the pixel that saw its path before.
+fn add_record(
+    steps: &mut [ChainSteps],
+    record: &StepRecord,
+    filter: &SplatFilter,
+    [width, height]: [u32; 2],
+) {
+    let at = filter.in_window(record.film);
+    let [x, y] = [(at.x, width), (at.y, height)].map(|(at, size)| (at as u32).min(size - 1));
+    let sum = &mut steps[(y * width + x) as usize];
+    sum.acceptance += record.acceptance;
+    sum.walks += record.walks as f32;
+    sum.iterations += record.iterations as f32;
+    sum.jumps += if record.is_jump { 1.0 } else { 0.0 };
+    sum.mutations += 1.0;
 }
 
 /// All paths of candidates that carry light, in order.

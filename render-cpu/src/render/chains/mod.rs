@@ -18,6 +18,8 @@ use super::splat::SplatFilter;
 use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
+use crate::film::aov::Aov;
+use crate::film::chain_counts::describe;
 use crate::integrators::{Shape, shape};
 use crate::scene::build::Scene;
 use glam::Vec3;
@@ -147,30 +149,15 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     };
     let offset = FreshSamples::new(options.seed ^ START_STREAM, group, 0).number(0);
     let filter = SplatFilter::new(&view.tables.camera);
-    let Some(image) = group::run(algorithm, plan, offset, &filter, size, stop) else {
+    let with_steps = Aov::OF_CHAINS.iter().any(|aov| film.aovs().contains(*aov));
+    let Some(image) = group::run(algorithm, plan, offset, &filter, size, with_steps, stop) else {
         return false;
     };
     for (name, counts) in algorithm.mutations().iter().zip(&image.counts) {
-        tracing::debug!(
-            "group {group}, {name}: {} proposals, {:.1} % with light, {:.1} % accepted",
-            counts.proposed,
-            counts.lit as f64 / counts.proposed.max(1) as f64 * 100.0,
-            counts.accepted as f64 / counts.proposed.max(1) as f64 * 100.0
-        );
-    }
-    for (name, counts) in algorithm.mutations().iter().zip(&image.counts) {
-        let walks = &counts.walks;
-        if walks.walks > 0 {
-            let share = |n: u64, of: u64| n as f64 / of.max(1) as f64;
-            tracing::debug!(
-                "group {group}, {name}: {} walks, {:.1} % succeed in {:.2} iterations ({:.2} in all), {:.2} % are not reversible",
-                walks.walks,
-                share(walks.found, walks.walks) * 100.0,
-                share(walks.iterations_of_found, walks.found),
-                share(walks.iterations, walks.walks),
-                share(walks.irreversible, walks.found) * 100.0
-            );
+        if counts.proposed > 0 {
+            tracing::debug!("group {group}: {}", describe(name, counts));
         }
+        film.chain_counts_mut().add(name, counts);
     }
     let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
     add_to_film(view, settings, options, film, group, &image, scale as f32);
@@ -222,6 +209,9 @@ fn add_to_film<T: Traverse + Sync>(
                 }
                 let mut entry = band.pixel_mut(x, y);
                 entry.add_sample(value);
+                if let Some(steps) = &image.steps {
+                    entry.add_chain_steps(&steps[(y * width + x) as usize]);
+                }
                 if needs_surface {
                     let sampler = IndependentSampler::new(options.seed, index, group);
                     entry.add_aovs(&surface_sample(view, sampler, pixel));

@@ -51,6 +51,8 @@ pub(super) fn read_chains(object: &Object, chains: &mut ChainSettings) -> Result
         ("original", half_vector_flag::ORIGINAL),
         ("global_roughness", half_vector_flag::GLOBAL_ROUGHNESS),
         ("projected_half_vectors", half_vector_flag::PROJECTED),
+        ("equal_steps", half_vector_flag::EQUAL_STEPS),
+        ("unstratified", half_vector_flag::UNSTRATIFIED),
     ] {
         if object.get_bool(name, false)? {
             *flags |= flag;
@@ -59,13 +61,28 @@ pub(super) fn read_chains(object: &Object, chains: &mut ChainSettings) -> Result
     Ok(())
 }
 
-/// Chains of the bidirectional mutation and one other, the manifold exploration of `memlt` or the half-vector mutation of `hslt`.
-pub(super) fn with_bidirectional(chains: &mut ChainSettings, manifold: f32, half_vector: f32) {
+/// No perturbation but manifold exploration: `memlt`, `meerpt`.
+pub(super) fn with_manifold(chains: &mut ChainSettings) {
+    without_perturbations(chains);
+    chains.half_vector_weight = 0.0;
+    chains.manifold_weight = weight_or_one(chains.manifold_weight);
+}
+
+/// No perturbation but the half-vector mutation: `hslt`.
+pub(super) fn with_half_vectors(chains: &mut ChainSettings) {
+    without_perturbations(chains);
+    chains.manifold_weight = 0.0;
+    chains.half_vector_weight = weight_or_one(chains.half_vector_weight);
+}
+
+fn without_perturbations(chains: &mut ChainSettings) {
     chains.lens_weight = 0.0;
     chains.caustic_weight = 0.0;
     chains.multi_chain_weight = 0.0;
-    chains.manifold_weight = manifold;
-    chains.half_vector_weight = half_vector;
+}
+
+fn weight_or_one(weight: f32) -> f32 {
+    if weight > 0.0 { weight } else { 1.0 }
 }
 
 /// A mutation of `mlt`: on or off as in Mitsuba 0.6, or its weight in the choice.

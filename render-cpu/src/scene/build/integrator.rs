@@ -3,7 +3,7 @@
 //! Some integrators enclose others and add to their results: `aov`, `moment`, `adaptive`, `irrcache`, and `multichannel` with
 //! its `field`s. The enclosed integrator runs, with its own parameters; the additions become layers of the image.
 
-use super::chain_settings::{read_chains, redistribute, with_bidirectional};
+use super::chain_settings::{read_chains, redistribute, with_half_vectors, with_manifold};
 use super::options::BuildOptions;
 use crate::film::aov::{Aov, AovSet};
 use crate::integrators::{self, INTEGRATORS};
@@ -88,8 +88,12 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
     };
     match name.as_str() {
         "mmlt" => settings.chains.technique = technique::MULTIPLEXED,
-        "memlt" => with_bidirectional(&mut settings.chains, 1.0, 0.0),
-        "hslt" => with_bidirectional(&mut settings.chains, 0.0, 1.0),
+        "memlt" => with_manifold(&mut settings.chains),
+        "hslt" => with_half_vectors(&mut settings.chains),
+        "meerpt" => {
+            redistribute(object.map(|o| &**o), &mut settings.chains)?;
+            with_manifold(&mut settings.chains);
+        }
         "erpt" => redistribute(object.map(|o| &**o), &mut settings.chains)?,
         _ => {}
     }

@@ -5,9 +5,11 @@ use super::super::veach::candidate::join;
 use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::path_chain::{PathChain, curved, place};
 use super::reconnection::{Method, MovedEnd, Segment, options_of, reconnect};
-use crate::manifold::ChainVertex;
+use crate::manifold::mutation::{density_factor, mutate, mutation_kind};
 use crate::manifold::walk::WalkOptions;
+use crate::manifold::{ChainJacobian, ChainVertex};
 use crate::math::Rgb;
+use crate::math::scaled::Scaled;
 use crate::path::tracer::Tracer;
 use crate::scene::Traverse;
 use arrayvec::ArrayVec;
@@ -75,6 +77,68 @@ pub struct Closing<'a> {
 }
 
 impl Closing<'_> {
+    /// The same between ends that stay: a walk, or a jump to another sub-manifold where walks fail both ways.
+    #[allow(clippy::too_many_arguments)]
+    pub fn move_or_jump<T: Traverse, const N: usize>(
+        &self,
+        tracer: &Tracer<'_, T>,
+        x: &ChainPath,
+        chain: &PathChain,
+        segment: &Segment<N>,
+        y: &mut ChainPath,
+        form: u32,
+        counts: &mut WalkCounts,
+    ) -> Moved {
+        let tables = &tracer.view.tables;
+        let (low, high) = (self.low, self.high);
+        // A jump leaves the half vectors of discrete events behind.
+        let inner = low + 1..high;
+        if !x.vertices[inner.clone()].iter().all(|v| v.is_smooth()) {
+            let is_found = self.close(tracer, x, chain, Some(segment), y, None, form, counts);
+            return if is_found {
+                Moved::Walk
+            } else {
+                Moved::Nowhere
+            };
+        }
+        let options = self.options(tracer, x, chain, form);
+        let mut target = [Vec2::ZERO; N];
+        target[1..high - low].copy_from_slice(&self.target[inner.clone()]);
+        let from = &segment.jacobian;
+        let found = mutate(tracer.view, &segment.vertices, from, &target, &options);
+        counts.walks += 1;
+        counts.iterations += u64::from(found.iterations);
+        if found.kind == mutation_kind::WALK || found.kind == mutation_kind::NOT_REVERSIBLE {
+            counts.found += 1;
+            counts.iterations_of_found += u64::from(found.iterations);
+        }
+        counts.irreversible += u64::from(found.kind == mutation_kind::NOT_REVERSIBLE);
+        if found.kind != mutation_kind::WALK && found.kind != mutation_kind::JUMP {
+            return Moved::Nowhere;
+        }
+        for i in inner.clone() {
+            y.vertices[i].event = x.vertices[i].event;
+            place(tables, &mut y.vertices[i], &found.vertices[i - low]);
+        }
+        clear_edges(y, low, high);
+        if found.kind == mutation_kind::WALK {
+            return Moved::Walk;
+        }
+        counts.jumps += 1;
+        let mut back = HalfVectors::new();
+        back.extend(self.back.iter().copied());
+        back[inner].copy_from_slice(&found.reverse_target[1..high - low]);
+        // Densities per area of vertices over those per half vectors, the way back over the way there; what the paths carry is per
+        // half vectors too.
+        let per_area = |j: &ChainJacobian<N>| density_factor(j);
+        let carried = per_area(&found.jacobian).over(per_area(from));
+        let factor = found.reverse_factor.over(found.forward_factor);
+        Moved::Jump {
+            back,
+            factor: carried.product(factor),
+        }
+    }
+
     /// Finds the vertices of `y` between the ends, of which one is not that of `x`; says whether there are such.
     #[allow(clippy::too_many_arguments)]
     pub fn close<T: Traverse, const N: usize>(
@@ -137,6 +201,21 @@ impl Closing<'_> {
         let tables = &tracer.view.tables;
         options_of(chain, x.is_infinite(tables), tables.info.radius, form)
     }
+}
+
+/// What has become of a part of a path between ends that stay.
+pub enum Moved {
+    /// There is no new path.
+    Nowhere,
+    /// A reversible walk has led to the new path.
+    Walk,
+    /// A jump.
+    Jump {
+        /// Half vectors that lead back, of all vertices of the path.
+        back: HalfVectors,
+        /// What the ratio of the acceptance gets in addition to that of a walk with those half vectors.
+        factor: Scaled,
+    },
 }
 
 /// Which end has moved.

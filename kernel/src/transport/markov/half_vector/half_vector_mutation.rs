@@ -22,7 +22,7 @@
 
 use super::super::algorithm::WalkCounts;
 use super::super::veach::{ChainPath, MAX_VERTICES};
-use super::closing::{Closing, ClosingEnd, HalfVectors, held, with_capacity};
+use super::closing::{Closing, ClosingEnd, HalfVectors, Moved, held, with_capacity};
 use super::manifold_perturbation::moved_film;
 use super::measure::{segment_factor, towards_light};
 use super::path_chain::PathChain;
@@ -159,6 +159,8 @@ impl<T: Traverse> Mutation<'_, T> {
                 target[i] = step.sample(sampler.next_2d());
             }
         }
+        // Half vectors that lead back, and what a jump adds to the ratio.
+        let (mut back, mut jump) = (self.h.clone(), Scaled::ONE);
         y.clone_from(x);
         if b < k && !self.move_sensor_part(y, &target, bsdf, sampler) {
             return 0.0;
@@ -171,8 +173,23 @@ impl<T: Traverse> Mutation<'_, T> {
                 back: self.h,
                 method: Method::HalfVectors,
             };
-            let moved = (b < k).then_some(ClosingEnd::High);
-            if !closing.close(tracer, x, chain, segment.as_ref(), y, moved, form, counts) {
+            let is_found = match segment.as_ref() {
+                Some(segment) if b == k && b > c + 1 => {
+                    match closing.move_or_jump(tracer, x, chain, segment, y, form, counts) {
+                        Moved::Nowhere => false,
+                        Moved::Walk => true,
+                        Moved::Jump { back: h, factor } => {
+                            (back, jump) = (h, factor);
+                            true
+                        }
+                    }
+                }
+                _ => {
+                    let end = (b < k).then_some(ClosingEnd::High);
+                    closing.close(tracer, x, chain, segment.as_ref(), y, end, form, counts)
+                }
+            };
+            if !is_found {
                 return 0.0;
             }
         }
@@ -203,9 +220,9 @@ impl<T: Traverse> Mutation<'_, T> {
             return 0.0;
         }
         let mut ln_densities = 0.0;
-        for (i, (there, back)) in steps.iter().zip(&steps_of_y).enumerate() {
-            if let (Some(there), Some(back)) = (there, back) {
-                ln_densities += back.ln_pdf(self.h[i]) - there.ln_pdf(target[i]);
+        for (i, (of_x, of_y)) in steps.iter().zip(&steps_of_y).enumerate() {
+            if let (Some(of_x), Some(of_y)) = (of_x, of_y) {
+                ln_densities += of_y.ln_pdf(back[i]) - of_x.ln_pdf(target[i]);
             }
         }
         let choice = if self.settings.is_original {
@@ -215,7 +232,7 @@ impl<T: Traverse> Mutation<'_, T> {
         };
         let there = self.target(y, &of_y, segment_of_y.as_ref());
         let here = self.target(x, chain, segment.as_ref());
-        let ratio = there.over(here).value() * exp(ln_densities) * choice;
+        let ratio = there.over(here).product(jump).value() * exp(ln_densities) * choice;
         if ratio > 0.0 && ratio <= f32::MAX {
             ratio
         } else {
@@ -243,10 +260,9 @@ impl<T: Traverse> Mutation<'_, T> {
             });
         }
         if let Some(segment) = segment {
-            let is_at_sensor = b == k;
+            let is_limited = b == k && self.settings.is_stratified;
             let tables = &self.tracer.view.tables;
-            let steps =
-                segment_steps(tables, path, chain, segment, c, is_at_sensor, self.settings)?;
+            let steps = segment_steps(tables, path, chain, segment, c, is_limited, self.settings)?;
             for i in c + 1..b {
                 if path.vertices[i].is_smooth() {
                     out[i] = Some(steps[i - c]);

@@ -158,7 +158,9 @@ fn inner_vertex(
     let wl = frame.to_local(path.previous_direction(i));
     bsdf.look_up(tables, &vertex.point, wc, mode::RADIANCE);
     let (transmits, alpha) = if vertex.is_smooth() {
-        let alpha = if roughness == roughness_kind::GLOBAL {
+        let alpha = if roughness == roughness_kind::UNIT {
+            1.0
+        } else if roughness == roughness_kind::GLOBAL {
             bsdf.roughness()
         } else {
             local_beckmann_roughness(bsdf, tables.data, wc, wl)

@@ -10,6 +10,8 @@ pub mod roughness_kind {
     pub const LOCAL: u32 = 0;
     /// The largest of the lobes, at all pairs.
     pub const GLOBAL: u32 = 1;
+    /// One, whatever the material.
+    pub const UNIT: u32 = 2;
 }
 
 /// Settings of the half-vector mutation.
@@ -23,6 +25,8 @@ pub struct HalfVectorSettings {
     pub is_original: bool,
     /// Step over the optimal one of a lobe alone.
     pub gamma: f32,
+    /// Whether steps lead a few percent of the image far at most.
+    pub is_stratified: bool,
 }
 
 impl HalfVectorSettings {
@@ -30,7 +34,9 @@ impl HalfVectorSettings {
     pub fn new(chains: &ChainSettings) -> HalfVectorSettings {
         let has = |flag: u32| chains.half_vector_flags & flag != 0;
         HalfVectorSettings {
-            roughness: if has(half_vector_flag::GLOBAL_ROUGHNESS) {
+            roughness: if has(half_vector_flag::EQUAL_STEPS) {
+                roughness_kind::UNIT
+            } else if has(half_vector_flag::GLOBAL_ROUGHNESS) {
                 roughness_kind::GLOBAL
             } else {
                 roughness_kind::LOCAL
@@ -42,6 +48,7 @@ impl HalfVectorSettings {
             },
             is_original: has(half_vector_flag::ORIGINAL),
             gamma: chains.half_vector_step,
+            is_stratified: !has(half_vector_flag::UNSTRATIFIED),
         }
     }
 }

@@ -84,14 +84,14 @@ pub fn free_step(x: &ChainVertex, h: Vec2, settings: &HalfVectorSettings) -> Ste
     Step::new(x, gaussian, settings.form)
 }
 
-/// The steps of the vertices of a segment that begins at vertex `low`; nothing where one is not finite.
+/// The steps of the vertices of a segment that begins at vertex `low`, limited by a step over the image or not; nothing where one is not finite.
 pub fn segment_steps<const N: usize>(
     tables: &Tables<'_>,
     path: &ChainPath,
     chain: &PathChain,
     segment: &Segment<N>,
     low: usize,
-    is_at_sensor: bool,
+    is_limited: bool,
     settings: &HalfVectorSettings,
 ) -> Option<[Step; MAX_VERTICES]> {
     let len = segment.len();
@@ -111,7 +111,7 @@ pub fn segment_steps<const N: usize>(
     spectrum_weights(&segment.vertices, len, &mut weights);
     let mut rows = [Mat2::ZERO; N];
     let mut offsets = [Vec2::ZERO; 2];
-    if is_at_sensor {
+    if is_limited {
         // D_i in slopes, in which widths are.
         let slopes = if settings.form == half_vector_form::SLOPE {
             segment.jacobian
@@ -127,7 +127,7 @@ pub fn segment_steps<const N: usize>(
     for i in 1..len - 1 {
         let x = &chain.vertices[low + i];
         let h = segment.jacobian.h[i];
-        let image = if is_at_sensor {
+        let image = if is_limited {
             image_step(rows[i], offsets[0], offsets[1])
         } else {
             StepEllipse::UNLIMITED

@@ -8,7 +8,7 @@ use crate::bsdf::Bsdf;
 use crate::path::tracer::Tracer;
 use crate::sampler::{FreshSamples, Sampler, mix};
 use crate::scene::{SceneView, Traverse};
-use crate::transport::markov::algorithm::{ChainAlgorithm, MutationCounts};
+use crate::transport::markov::algorithm::{ChainAlgorithm, MutationCounts, StepRecord};
 use crate::transport::markov::half_vector::{
     HalfVectorSettings, half_vector_mutation, manifold_perturbation,
 };
@@ -54,6 +54,7 @@ pub struct VeachChain {
     pending: f32,
     number: u32,
     step: u32,
+    last: StepRecord,
     counts: [MutationCounts; mutation::COUNT],
 }
 
@@ -187,6 +188,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             pending: 0.0,
             number,
             step: 0,
+            last: StepRecord::default(),
             counts: Default::default(),
         };
         let mut index = 0;
@@ -214,10 +216,26 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
         }
         if !(allowed[kind] > 0.0) {
             // No mutation is allowed here, or rounding left none.
+            chain.last = StepRecord {
+                film: chain.current.film,
+                ..StepRecord::default()
+            };
             chain.pending += 1.0;
             return;
         }
+        let before = chain.counts[kind].walks;
+        chain.last.film = chain.current.film;
         let acceptance = self.propose(kind, &allowed, chain, &mut sampler, &mut bsdf);
+        let walks = &mut chain.counts[kind].walks;
+        let is_jump = walks.jumps > before.jumps;
+        chain.last = StepRecord {
+            acceptance,
+            walks: (walks.walks - before.walks) as u32,
+            iterations: (walks.iterations - before.iterations) as u32,
+            is_jump,
+            ..chain.last
+        };
+        walks.accepted_jumps += u64::from(is_jump && u_accept < acceptance);
         chain.pending += 1.0 - acceptance;
         let counts = &mut chain.counts[kind];
         counts.proposed += 1;
@@ -248,6 +266,10 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             "manifold",
             "half-vector",
         ]
+    }
+
+    fn last_step(chain: &VeachChain) -> Option<StepRecord> {
+        Some(chain.last)
     }
 
     fn counts(chain: &VeachChain) -> &[MutationCounts] {

@@ -1,0 +1,88 @@
+//! What became of the mutations of the chains that a film holds.
+//!
+//! They say how a run went and are no part of the image: films with other counts are equal, and checkpoints keep none.
+
+use halflight_kernel::transport::markov::algorithm::MutationCounts;
+
+/// Counts of mutations by name.
+#[derive(Clone, Debug, Default)]
+pub struct ChainCounts(Vec<(&'static str, MutationCounts)>);
+
+impl PartialEq for ChainCounts {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl ChainCounts {
+    /// Adds those of a mutation; ones that were never proposed are left out.
+    pub fn add(&mut self, name: &'static str, counts: &MutationCounts) {
+        if counts.proposed == 0 {
+            return;
+        }
+        match self.0.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => sum.merge(counts),
+            None => self.0.push((name, *counts)),
+        }
+    }
+
+    /// Those of each mutation.
+    pub fn iter(&self) -> impl Iterator<Item = &(&'static str, MutationCounts)> {
+        self.0.iter()
+    }
+
+    /// As JSON, or nothing without chains.
+    pub fn json(&self) -> Option<serde_json::Value> {
+        let entries = self.0.iter().map(|(name, counts)| {
+            let walks = &counts.walks;
+            let mut entry = serde_json::json!({
+                "proposed": counts.proposed,
+                "lit": counts.lit,
+                "accepted": counts.accepted,
+            });
+            if walks.walks > 0 {
+                entry["walks"] = serde_json::json!({
+                    "made": walks.walks,
+                    "found": walks.found,
+                    "irreversible": walks.irreversible,
+                    "iterations": walks.iterations,
+                    "iterations_of_found": walks.iterations_of_found,
+                    "jumps": walks.jumps,
+                    "accepted_jumps": walks.accepted_jumps,
+                });
+            }
+            ((*name).to_string(), entry)
+        });
+        (!self.0.is_empty()).then(|| serde_json::Value::Object(entries.collect()))
+    }
+}
+
+/// One line on a mutation.
+pub fn describe(name: &str, counts: &MutationCounts) -> String {
+    let percent = |n: u64, of: u64| n as f64 / of.max(1) as f64 * 100.0;
+    let mut line = format!(
+        "{name}: {} proposals, {:.1} % with light, {:.1} % accepted",
+        counts.proposed,
+        percent(counts.lit, counts.proposed),
+        percent(counts.accepted, counts.proposed)
+    );
+    let walks = &counts.walks;
+    if walks.walks > 0 {
+        line += &format!(
+            "; {} walks, {:.1} % found in {:.2} iterations ({:.2} in all), {:.2} % not reversible",
+            walks.walks,
+            percent(walks.found, walks.walks),
+            walks.iterations_of_found as f64 / walks.found.max(1) as f64,
+            walks.iterations as f64 / walks.walks as f64,
+            percent(walks.irreversible, walks.found)
+        );
+    }
+    if walks.jumps > 0 {
+        line += &format!(
+            "; {} jumps, {:.1} % accepted",
+            walks.jumps,
+            percent(walks.accepted_jumps, walks.jumps)
+        );
+    }
+    line
+}

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod case;
+mod densities;
 mod features;
 mod masks;
 mod matrix;

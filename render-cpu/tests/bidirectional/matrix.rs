@@ -49,7 +49,7 @@ pub const DOWN: &str = r#"<rotate x="1" angle="90"/><rotate z="1" angle="-20"/>"
 const AT: &str = r#"<transform name="to_world"><lookat origin="0.6, 1.5, -0.9" target="-0.4, 0.2, -0.6" up="0, 0, 1"/></transform>"#;
 
 /// Every emitter, by name.
-fn emitters() -> Vec<(&'static str, String)> {
+pub fn emitters() -> Vec<(&'static str, String)> {
     vec![
         (
             "mesh",
@@ -151,7 +151,7 @@ fn emitters() -> Vec<(&'static str, String)> {
 }
 
 /// A sensor of the kind.
-fn sensor(kind: &str) -> String {
+pub fn sensor(kind: &str) -> String {
     let (parameters, size) = match kind {
         "perspective" => (r#"<float name="fov" value="45"/>"#, ""),
         "thinlens" => (

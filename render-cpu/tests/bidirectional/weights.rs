@@ -1,93 +1,64 @@
 //! Weights by recursion against densities of all strategies that are multiplied out, path by path.
 
-use crate::scenes::{LAMP, PINHOLE, View, room, scene, with_view};
-use glam::Vec3;
+use crate::densities::{LightEndPoint, WholePath};
+use crate::matrix::{emitters, sensor};
+use crate::scenes::{LAMP, PINHOLE, View, room, scene, sky, with_view};
+use glam::{Vec2, Vec3};
 use halflight::scene::build::Scene;
-use halflight_kernel::bsdf::{Bsdf, mode};
+use halflight_kernel::bsdf::mode;
 use halflight_kernel::path::rules::step;
 use halflight_kernel::path::{
-    Connector, Contribution, Interaction, LightEnd, PathVertex, PhotonDensity, ShadingPoint, Walk,
+    Connector, Contribution, Interaction, LightEnd, PhotonDensity, ShadingPoint, Walk,
 };
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
-use halflight_kernel::scene::emitter;
-use halflight_kernel::scene::emitter::emission::{self, EmissionSample};
-use halflight_kernel::scene::{NONE, SurfacePoint, Tables, camera};
-use halflight_kernel::transport::bidirectional::{Bidirectional, VertexStore};
+use halflight_kernel::scene::emitter::emission::EmissionSample;
+use halflight_kernel::scene::{Hit, NONE, SurfacePoint, Traverse, camera, emitter};
+use halflight_kernel::transport::bidirectional::Bidirectional;
 use halflight_kernel::transport::camera_ray;
 use halflight_kernel::transport::photon::merging::{merging_share, merging_weight};
 use halflight_kernel::transport::settings::integrator_kind;
 
-#[derive(Default)]
-struct Store(Vec<PathVertex>);
+/// Vertices of a walk at most.
+const VERTICES: usize = 5;
 
-impl VertexStore for Store {
-    fn push(&mut self, vertex: &PathVertex) -> u32 {
-        self.0.push(*vertex);
-        self.0.len() as u32 - 1
-    }
+/// Where a walk has arrived.
+#[derive(Clone)]
+struct Arrived {
+    walk: Walk,
+    site: ShadingPoint,
+    hit: Hit,
+}
 
-    fn get(&self, index: u32) -> PathVertex {
-        self.0[index as usize]
+impl Arrived {
+    fn interaction(&self) -> Interaction<'_> {
+        self.site.interaction(self.walk.subpath.ray.direction)
     }
 }
 
-/// Density per solid angle of the smooth part of the material between two neighbours.
-fn pdf(tables: &Tables<'_>, at: &SurfacePoint, from: &SurfacePoint, to: &SurfacePoint) -> f64 {
-    let local = |p: &SurfacePoint| at.frame.to_local((p.position - at.position).normalize());
-    let bsdf = Bsdf::at(tables, at, local(from), mode::RADIANCE);
-    f64::from(bsdf.pdf(tables.data, local(from), local(to)))
+/// How weights are to be checked.
+#[derive(Clone, Copy)]
+struct Weighting {
+    is_power: bool,
+    /// Radius and number of light walks of merging, zero for none.
+    radius: f32,
+    emitted: u32,
 }
 
-/// Solid angle at `from` per area at `to`.
-fn per_area(from: &SurfacePoint, to: &SurfacePoint) -> f64 {
-    let d = to.position - from.position;
-    f64::from(to.geometric_normal.dot(d.normalize()).abs() / d.length_squared())
+/// Weights that were checked, by the kind of their strategy.
+#[derive(Clone, Copy, Debug, Default)]
+struct Checked {
+    inner: u32,
+    to_lens: u32,
+    lit: u32,
+    emitted: u32,
+    lens_met: u32,
+    merged: u32,
 }
 
-/// Densities of the strategies s = 0 ... k of a path, and of merging at its vertices 1 ... k - 1, each with
-/// `eta` of its position as the area of a photon, of smooth vertices from an area light (the first point) to a pinhole (the last).
-fn densities(tables: &Tables<'_>, path: &[SurfacePoint], eta: impl Fn(Vec3) -> f64) -> Vec<f64> {
-    let k = path.len() - 1;
-    let direction = (path[1].position - path[0].position).normalize();
-    let emitted = emission::density(tables, path[0].emitter, &path[0], direction);
-    let mut forward = vec![0.0; k];
-    forward[0] = f64::from(emitted.position);
-    if k > 1 {
-        forward[1] = f64::from(emitted.direction) * per_area(&path[0], &path[1]);
+impl Checked {
+    fn all(&self) -> u32 {
+        self.inner + self.to_lens + self.lit + self.emitted + self.lens_met + self.merged
     }
-    for i in 2..k {
-        forward[i] =
-            pdf(tables, &path[i - 1], &path[i - 2], &path[i]) * per_area(&path[i - 1], &path[i]);
-    }
-    let to_lens = path[k].position - path[k - 1].position;
-    let cosine = path[k - 1].geometric_normal.dot(to_lens.normalize()).abs();
-    let mut reverse = vec![0.0; k];
-    reverse[k - 1] = f64::from(
-        camera::pdf_perpendicular_area(tables, path[k - 1].position, to_lens.length()) * cosine,
-    );
-    for i in 0..k - 1 {
-        reverse[i] =
-            pdf(tables, &path[i + 1], &path[i + 2], &path[i]) * per_area(&path[i + 1], &path[i]);
-    }
-    let direct = f64::from(emitter::pdf_direct(tables, path[1].position, &path[0]))
-        * per_area(&path[1], &path[0]);
-    let connected: Vec<f64> = (0..=k)
-        .map(|s| {
-            let start = match s {
-                0 => 1.0,
-                1 if k > 1 => direct,
-                _ => forward[0],
-            };
-            let light: f64 = forward[..s].iter().skip(1).product();
-            start * light * reverse[s..].iter().product::<f64>()
-        })
-        .collect();
-    // Sampled from both ends: light walks emit their first vertex, whatever next event estimation would do.
-    let merged = (1..k).map(|i| {
-        let light: f64 = forward[..=i].iter().product();
-        eta(path[i].position) * light * reverse[i..].iter().product::<f64>()
-    });
-    connected.iter().copied().chain(merged).collect()
 }
 
 /// The share of a strategy by the power or balance heuristic.
@@ -103,32 +74,341 @@ fn weight(make: impl Fn(bool) -> Contribution) -> Option<f64> {
     (value > 0.0).then(|| f64::from(weighted.value.max_element()) / value)
 }
 
-/// The weights of all strategies that complete the subpaths of some samples.
-fn check(scene: &Scene, samples: u32, is_power: bool, photons: (f32, u32)) -> u32 {
-    let mut checked = 0;
-    with_view(scene, |view| {
-        for sample in 0..samples {
-            checked += check_sample(view, scene, sample, is_power, photons);
+/// A sample's walks, and what its weights are compared with.
+struct Sample<'a> {
+    view: &'a View<'a>,
+    algorithm: Bidirectional<'a>,
+    number: u32,
+    weighting: Weighting,
+    checked: Checked,
+}
+
+impl Sample<'_> {
+    fn connector(&self, unweighted: bool) -> Connector<'_> {
+        let mut connector = self.algorithm.connector;
+        connector.strategies.unweighted = unweighted;
+        connector
+    }
+
+    /// Compares a weight with that of strategy `s`; whether there was one.
+    fn compare(&self, found: Option<f64>, path: &WholePath, s: usize) -> u32 {
+        let tables = &self.view.tables;
+        let Some(found) = found.filter(|_| path.is_well_conditioned(tables)) else {
+            return 0;
+        };
+        let Weighting {
+            is_power,
+            radius,
+            emitted,
+        } = self.weighting;
+        let n_area = f64::from(merging_share(radius, emitted));
+        let photons = self.algorithm.connector.photons;
+        let eta = |position: Vec3| n_area / (1.0 + n_area * f64::from(photons.at(position)));
+        let p = path.densities(tables, eta);
+        let expected = reference(&p, s, is_power);
+        assert!(
+            (found - expected).abs() < 1e-3 * expected + 1e-5,
+            "sample {}, s = {s} of {} edges: {found} instead of {expected}, densities {p:?}",
+            self.number,
+            path.inner.len() + 1
+        );
+        1
+    }
+
+    /// Follows a walk; calls `at_ray` with each of its rays and what they hit. Returns where it arrived, and as what it left the
+    /// scene if it did.
+    fn follow(
+        &self,
+        mut walk: Walk,
+        sampler: &mut IndependentSampler,
+        mut at_ray: impl FnMut(&Walk, &Hit, &[Arrived]),
+    ) -> (Vec<Arrived>, Option<Walk>) {
+        let connector = self.connector(false);
+        let mut arrived = Vec::new();
+        while arrived.len() < VERTICES {
+            let hit = self.view.traverse.closest_hit(&walk.subpath.ray);
+            at_ray(&walk, &hit, &arrived);
+            if !hit.is_hit() {
+                return (arrived, Some(walk));
+            }
+            let mut site = ShadingPoint::NONE;
+            let (_, next) = connector.arrive(&mut walk, &hit, &mut site);
+            if next != step::SCATTER {
+                break;
+            }
+            arrived.push(Arrived { walk, site, hit });
+            let at = site.interaction(walk.subpath.ray.direction);
+            let h = connector.heuristic_at(site.point.position);
+            if walk.scatter(connector.tables, &connector.rules, h, sampler, &at) != step::TRACE {
+                break;
+            }
         }
-    });
-    checked
+        (arrived, None)
+    }
+
+    fn check(&mut self) {
+        let tables = &self.view.tables;
+        let mut sampler = IndependentSampler::new(3, 0, self.number);
+        let start = self.algorithm.emit(&mut sampler);
+        let mut light = Vec::new();
+        let mut checked = Checked::default();
+        let end = LightEndPoint {
+            emitter: start.emitter,
+            point: start.point,
+            direction: start.ray.direction,
+        };
+        if start.is_some() {
+            let walk = Walk::from_emitter(&start);
+            (light, _) = self.follow(walk, &mut sampler, |walk, hit, arrived| {
+                let met = weight(|plain| self.connector(plain).lens_met(walk, hit.t));
+                let lens = camera::intersect_lens(&tables.camera, &walk.subpath.ray);
+                let path = WholePath {
+                    light: end,
+                    inner: arrived.iter().map(|a| a.site.point).collect(),
+                    lens: walk.subpath.ray.at(lens.t),
+                };
+                checked.lens_met += self.compare(met, &path, arrived.len() + 2);
+            });
+        }
+        let pixel = [self.number % 8, self.number / 8 % 6];
+        let ray = camera_ray(tables, &mut sampler, pixel).ray;
+        let (cameras, escaped) = self.follow(Walk::from_sensor(&ray), &mut sampler, |_, _, _| {});
+        self.checked.lens_met += checked.lens_met;
+
+        self.start_to_lens(&start, end, &mut sampler);
+        for i in 0..light.len() {
+            self.light_vertex(&light[..=i], end, &cameras, ray.origin, &mut sampler);
+        }
+        for j in 0..cameras.len() {
+            self.camera_vertex(&cameras[..=j], &start, ray.origin, &mut sampler);
+        }
+        if let Some(walk) = escaped {
+            let left = weight(|plain| Contribution {
+                value: self.connector(plain).escaped(&walk),
+                ..Contribution::NONE
+            });
+            let path = WholePath {
+                light: LightEndPoint {
+                    emitter: tables.info.environment,
+                    point: SurfacePoint::ZERO,
+                    direction: -walk.subpath.ray.direction,
+                },
+                inner: cameras.iter().rev().map(|c| c.site.point).collect(),
+                lens: ray.origin,
+            };
+            if left.is_some() {
+                self.checked.emitted += self.compare(left, &path, 0);
+            }
+        }
+    }
+
+    /// Numbers for a lens point.
+    fn lens_numbers(&self, sampler: &mut IndependentSampler) -> Vec2 {
+        sampler.next_2d()
+    }
+
+    /// The lens point that a position is connected to.
+    fn lens_point(&self, position: Vec3, u: Vec2) -> Vec3 {
+        let seen = camera::film_position(&self.view.tables, position, u);
+        position + seen.direction * seen.distance
+    }
+
+    /// s = 1, t = 1.
+    fn start_to_lens(
+        &mut self,
+        start: &EmissionSample,
+        end: LightEndPoint,
+        sampler: &mut IndependentSampler,
+    ) {
+        let u = self.lens_numbers(sampler);
+        let seen = weight(|plain| self.connector(plain).start_to_lens(start, u));
+        let lens = self.lens_point(start.point.position, u);
+        let path = WholePath {
+            light: LightEndPoint {
+                direction: (lens - start.point.position).normalize_or_zero(),
+                ..end
+            },
+            inner: Vec::new(),
+            lens,
+        };
+        self.checked.to_lens += self.compare(seen, &path, 1);
+    }
+
+    /// The last vertex of a light walk, seen by the lens, connected to those of a camera walk, and merged there.
+    fn light_vertex(
+        &mut self,
+        light: &[Arrived],
+        end: LightEndPoint,
+        cameras: &[Arrived],
+        lens: Vec3,
+        sampler: &mut IndependentSampler,
+    ) {
+        let last = &light[light.len() - 1];
+        let at = last.interaction();
+        if !at.bsdf.has_smooth() {
+            return;
+        }
+        let s = light.len() + 1;
+        let surfaces = || light.iter().map(|l| l.site.point);
+        let u = self.lens_numbers(sampler);
+        let (beta, weights) = (last.walk.subpath.throughput, last.walk.arrived);
+        let seen = weight(|plain| {
+            self.connector(plain)
+                .to_lens(beta, weights, light.len() as u32, &at, u)
+        });
+        let path = WholePath {
+            light: end,
+            inner: surfaces().collect(),
+            lens: self.lens_point(at.point.position, u),
+        };
+        self.checked.to_lens += self.compare(seen, &path, s);
+        let vertex = last.walk.vertex(&last.hit, &at, NONE);
+        let connected = LightEnd::new(&vertex, at);
+        for (j, camera) in cameras.iter().enumerate() {
+            let other = camera.interaction();
+            if !other.bsdf.has_smooth() {
+                continue;
+            }
+            let joined = weight(|plain| {
+                self.connector(plain)
+                    .inner(&connected, &camera.walk, &other)
+            });
+            let behind = cameras[..=j].iter().rev().map(|c| c.site.point);
+            let path = WholePath {
+                light: end,
+                inner: surfaces().chain(behind).collect(),
+                lens,
+            };
+            self.checked.inner += self.compare(joined, &path, s);
+            // The same path, merged at the camera's vertex by a light walk that had been scattered there.
+            let between = other.point.position - at.point.position;
+            let direction = between.normalize();
+            let connector = self.connector(false);
+            let rules = &connector.rules;
+            let sent = at.evaluate(connector.tables, rules, mode::IMPORTANCE, direction);
+            let cosines = [at.point, other.point].map(|p| p.geometric_normal.dot(direction).abs());
+            let h = connector.heuristic_at(at.point.position);
+            let photon = weights
+                .scatter(h, sent.pdf, sent.pdf_reverse, cosines[0])
+                .arrive(h, between.length_squared(), cosines[1]);
+            let seen = other.evaluate(connector.tables, rules, mode::RADIANCE, -direction);
+            let merges = self.weighting.radius > 0.0 && sent.is_some() && seen.is_some();
+            let merged = merges.then(|| {
+                f64::from(merging_weight(
+                    &connector,
+                    photon,
+                    &camera.walk,
+                    seen.pdf,
+                    seen.pdf_reverse,
+                    other.point.position,
+                ))
+            });
+            let i = light.len() + 1;
+            self.checked.merged += self.compare(merged, &path, path.merged_at(i));
+        }
+    }
+
+    /// The last vertex of a camera walk: light that is sampled there, photons straight from it, and emission that is met.
+    fn camera_vertex(
+        &mut self,
+        cameras: &[Arrived],
+        start: &EmissionSample,
+        lens: Vec3,
+        sampler: &mut IndependentSampler,
+    ) {
+        let tables = &self.view.tables;
+        let last = &cameras[cameras.len() - 1];
+        let point = last.site.point;
+        let emitted = weight(|plain| Contribution {
+            value: self.connector(plain).emitted(&last.walk, &point),
+            ..Contribution::NONE
+        });
+        if emitted.is_some() {
+            let path = WholePath {
+                light: LightEndPoint {
+                    emitter: point.emitter,
+                    point,
+                    direction: -last.walk.subpath.ray.direction,
+                },
+                inner: cameras[..cameras.len() - 1]
+                    .iter()
+                    .rev()
+                    .map(|c| c.site.point)
+                    .collect(),
+                lens,
+            };
+            self.checked.emitted += self.compare(emitted, &path, 0);
+        }
+        let at = last.interaction();
+        if !at.bsdf.has_smooth() {
+            return;
+        }
+        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
+        let (light, light_point) =
+            emitter::sample_direct_with_point(tables, point.position, u_select, u);
+        if !light.is_some() {
+            return;
+        }
+        // Lights without a surface have a position all the same.
+        let light_point = if light_point.emitter == NONE {
+            SurfacePoint {
+                position: light.target,
+                ..SurfacePoint::ZERO
+            }
+        } else {
+            light_point
+        };
+        let path = WholePath {
+            light: LightEndPoint {
+                emitter: light.emitter,
+                point: light_point,
+                direction: -light.direction,
+            },
+            inner: cameras.iter().rev().map(|c| c.site.point).collect(),
+            lens,
+        };
+        let lit = weight(|plain| {
+            self.connector(plain)
+                .next_event(&last.walk, &at, u_select, u)
+        });
+        self.checked.lit += self.compare(lit, &path, 1);
+        // Light straight from the emitter, merged.
+        if light_point.emitter == NONE || !(self.weighting.radius > 0.0) {
+            return;
+        }
+        let direction = -light.direction;
+        let emission = EmissionSample {
+            ray: light_point.spawn(direction),
+            point: light_point,
+            emitter: light.emitter,
+            ..*start
+        };
+        let mut photon = Walk::from_emitter(&emission);
+        let connector = self.connector(false);
+        photon.update_weights(tables, &connector.rules, &connector.strategies, &point);
+        let seen = at.evaluate(tables, &connector.rules, mode::RADIANCE, -direction);
+        let is_lit = seen.is_some() && light_point.frame.n.dot(direction) > 0.0;
+        let merged = is_lit.then(|| {
+            f64::from(merging_weight(
+                &connector,
+                photon.arrived,
+                &last.walk,
+                seen.pdf,
+                seen.pdf_reverse,
+                point.position,
+            ))
+        });
+        self.checked.merged += self.compare(merged, &path, path.merged_at(1));
+    }
 }
 
-/// A camera walk where it has arrived.
-struct CameraVertex {
-    walk: Walk,
-    point: SurfacePoint,
-    bsdf: Bsdf,
-}
-
-fn check_sample(
-    view: &View<'_>,
-    scene: &Scene,
-    sample: u32,
-    is_power: bool,
-    (radius, emitted): (f32, u32),
-) -> u32 {
-    let n_area = f64::from(merging_share(radius, emitted));
+/// The weights of all strategies that complete the subpaths of some samples.
+fn check(scene: &Scene, samples: u32, weighting: Weighting) -> Checked {
+    let mut settings = scene.settings;
+    settings.kind = integrator_kind::BIDIRECTIONAL;
+    settings.rules.max_depth = 2 * VERTICES as u32 + 2;
+    settings.rules.rr_depth = 100;
+    settings.bidirectional.power_heuristic = weighting.is_power.into();
     // Any function of the position does.
     let counts: Vec<u32> = (0..64).map(|i| i * i % 61).collect();
     let density = PhotonDensity {
@@ -136,215 +416,51 @@ fn check_sample(
         cells_per_length: 4.0,
         per_count: 0.05,
     };
-    let eta = |position: Vec3| n_area / (1.0 + n_area * f64::from(density.at(position)));
-    let tables = &view.tables;
-    let mut settings = scene.settings;
-    settings.kind = integrator_kind::BIDIRECTIONAL;
-    settings.rules.max_depth = 7;
-    settings.rules.rr_depth = 100;
-    settings.bidirectional.power_heuristic = is_power.into();
-    let algorithm = Bidirectional::new(tables, &settings).merging(radius, emitted, density);
-    let connector = |unweighted: bool| {
-        let mut strategies = algorithm.connector.strategies;
-        strategies.unweighted = unweighted;
-        Connector {
-            strategies,
-            ..algorithm.connector
-        }
-    };
-    let mut sampler = IndependentSampler::new(3, 0, sample);
-    let (store, start) = light_walk(view, &algorithm, &mut sampler);
-    let cameras = camera_walk(view, &algorithm, &mut sampler, sample);
-    let lens = SurfacePoint {
-        position: camera::ray_through(&tables.camera, glam::Vec2::ONE, glam::Vec2::ZERO).origin,
-        ..SurfacePoint::ZERO
-    };
-    let light_sites: Vec<ShadingPoint> = store
-        .0
-        .iter()
-        .map(|vertex| {
-            let mut site = ShadingPoint::NONE;
-            vertex.look_up(tables, &mut site);
-            site
-        })
-        .collect();
-    let mut checked = 0;
-    let mut compare = |found: Option<f64>, path: &[SurfacePoint], s: usize| {
-        // Directions of shorter edges differ between positions and rays by more than the tolerance.
-        let is_short = path
-            .windows(2)
-            .any(|edge| edge[0].position.distance(edge[1].position) < 0.02);
-        if let Some(found) = found
-            && !is_short
-        {
-            let p = densities(tables, path, eta);
-            let expected = reference(&p, s, is_power);
-            assert!(
-                (found - expected).abs() < 1e-3 * expected + 1e-5,
-                "sample {sample}, s = {s} of {}: {found} instead of {expected}, densities {p:?}",
-                path.len() - 1
-            );
-            checked += 1;
-        }
-    };
-    for (i, vertex) in store.0.iter().enumerate() {
-        let at = light_sites[i].interaction(Vec3::from_array(vertex.direction));
-        let mut path = vec![start.point];
-        path.extend(light_sites[..=i].iter().map(|site| site.point));
-        let end = LightEnd::new(vertex, at);
-        let seen = weight(|plain| {
-            let end_at = (end.throughput, end.weights);
-            connector(plain).to_lens(end_at.0, end_at.1, end.edges, &at, glam::Vec2::ZERO)
-        });
-        compare(seen, &[path.as_slice(), &[lens]].concat(), i + 2);
-        for (j, other) in cameras.iter().enumerate() {
-            let at = Interaction::new(&other.point, &other.bsdf, other.walk.subpath.ray.direction);
-            let joined = weight(|plain| connector(plain).inner(&end, &other.walk, &at));
-            let mut whole = path.clone();
-            whole.extend(cameras[..=j].iter().rev().map(|c| c.point));
-            whole.push(lens);
-            compare(joined, &whole, i + 2);
-            // The same path, merged at the camera's vertex by a light walk that had been scattered there.
-            let between = other.point.position - end.at.point.position;
-            let direction = between.normalize();
-            let rules = &connector(false).rules;
-            let sent = end.at.evaluate(tables, rules, mode::IMPORTANCE, direction);
-            let cosines =
-                [end.at.point, &other.point].map(|p| p.geometric_normal.dot(direction).abs());
-            let h = connector(false).heuristic_at(end.at.point.position);
-            let photon = end
-                .weights
-                .scatter(h, sent.pdf, sent.pdf_reverse, cosines[0])
-                .arrive(h, between.length_squared(), cosines[1]);
-            if sent.is_some() {
-                let seen = at.evaluate(tables, rules, mode::RADIANCE, -direction);
-                let weight = seen.is_some().then(|| {
-                    let w = merging_weight(
-                        &connector(false),
-                        photon,
-                        &other.walk,
-                        seen.pdf,
-                        seen.pdf_reverse,
-                        other.point.position,
-                    );
-                    f64::from(w)
-                });
-                let k = whole.len() - 1;
-                compare(weight.filter(|_| n_area > 0.0), &whole, k + 1 + (i + 2) - 1);
-            }
-        }
-    }
-    for (j, vertex) in cameras.iter().enumerate() {
-        let at = Interaction::new(
-            &vertex.point,
-            &vertex.bsdf,
-            vertex.walk.subpath.ray.direction,
+    let mut checked = Checked::default();
+    with_view(scene, |view| {
+        let algorithm = Bidirectional::new(&view.tables, &settings).merging(
+            weighting.radius,
+            weighting.emitted,
+            density,
         );
-        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
-        let (_, point) =
-            emitter::sample_direct_with_point(tables, vertex.point.position, u_select, u);
-        let lit = weight(|plain| connector(plain).next_event(&vertex.walk, &at, u_select, u));
-        let mut path = vec![point];
-        path.extend(cameras[..=j].iter().rev().map(|c| c.point));
-        path.push(lens);
-        compare(lit, &path, 1);
-        // Light straight from a point of the emitter, merged.
-        let direction = (vertex.point.position - point.position).normalize();
-        let emission = EmissionSample {
-            ray: point.spawn(direction),
-            point,
-            ..start
-        };
-        let mut photon = Walk::from_emitter(&emission);
-        let rules = &connector(false).rules;
-        photon.update_weights(tables, rules, &connector(false).strategies, &vertex.point);
-        let seen = at.evaluate(tables, rules, mode::RADIANCE, -direction);
-        let is_lit = seen.is_some() && point.frame.n.dot(direction) > 0.0;
-        let merged = is_lit.then(|| {
-            let w = merging_weight(
-                &connector(false),
-                photon.arrived,
-                &vertex.walk,
-                seen.pdf,
-                seen.pdf_reverse,
-                vertex.point.position,
-            );
-            f64::from(w)
-        });
-        compare(merged.filter(|_| n_area > 0.0), &path, path.len());
-        let emitted = weight(|plain| Contribution {
-            value: connector(plain).emitted(&vertex.walk, &vertex.point),
-            ..Contribution::NONE
-        });
-        compare(emitted, &path[1..], 0);
-    }
+        for number in 0..samples {
+            let mut sample = Sample {
+                view,
+                algorithm,
+                number,
+                weighting,
+                checked,
+            };
+            sample.check();
+            checked = sample.checked;
+        }
+    });
     checked
 }
 
-/// The vertices of a light walk, and its start.
-fn light_walk(
-    view: &View<'_>,
-    algorithm: &Bidirectional<'_>,
-    sampler: &mut IndependentSampler,
-) -> (Store, EmissionSample) {
-    use halflight_kernel::scene::Traverse;
-    let mut store = Store::default();
-    let mut last = NONE;
-    let start = algorithm.emit(sampler);
-    let mut walk = Walk::from_emitter(&start);
-    let mut site = ShadingPoint::NONE;
-    let mut next = if start.is_some() {
-        step::TRACE
-    } else {
-        step::END
-    };
-    while next == step::TRACE {
-        let hit = view.traverse.closest_hit(&walk.subpath.ray);
-        next = algorithm.light_bounce(
-            &mut walk,
-            sampler,
-            &hit,
-            &mut site,
-            &mut store,
-            &mut last,
-            |_| {},
-        );
-    }
-    (store, start)
-}
-
-/// The places where a camera walk arrives.
-fn camera_walk(
-    view: &View<'_>,
-    algorithm: &Bidirectional<'_>,
-    sampler: &mut IndependentSampler,
-    sample: u32,
-) -> Vec<CameraVertex> {
-    use halflight_kernel::scene::Traverse;
-    use halflight_kernel::scene::surface::surface_at;
-    let tables = &view.tables;
-    let connector = &algorithm.connector;
-    let mut vertices = Vec::new();
-    let pixel = [sample % 8, sample / 8 % 6];
-    let mut walk = Walk::from_sensor(&camera_ray(tables, sampler, pixel).ray);
-    for _ in 0..5 {
-        let hit = view.traverse.closest_hit(&walk.subpath.ray);
-        if !hit.is_hit() {
-            break;
-        }
-        let point = surface_at(tables, &walk.subpath.ray, &hit);
-        walk.update_weights(tables, &connector.rules, &connector.strategies, &point);
-        let wi = point.frame.to_local(-walk.subpath.ray.direction);
-        let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
-        vertices.push(CameraVertex { walk, point, bsdf });
-        let at = Interaction::new(&point, &bsdf, walk.subpath.ray.direction);
-        let h = connector.heuristic_at(point.position);
-        if walk.scatter(tables, &connector.rules, h, sampler, &at) != step::TRACE {
-            break;
-        }
-    }
-    vertices
-}
+/// Both heuristics, without and with merging.
+const WEIGHTINGS: [Weighting; 4] = [
+    Weighting {
+        is_power: false,
+        radius: 0.0,
+        emitted: 0,
+    },
+    Weighting {
+        is_power: true,
+        radius: 0.0,
+        emitted: 0,
+    },
+    Weighting {
+        is_power: false,
+        radius: 0.05,
+        emitted: 1000,
+    },
+    Weighting {
+        is_power: true,
+        radius: 0.02,
+        emitted: 1000,
+    },
+];
 
 #[test]
 fn weights_are_those_of_the_densities() {
@@ -354,15 +470,44 @@ fn weights_are_those_of_the_densities() {
         r#"<bsdf type="roughplastic"><float name="alpha" value="0.2"/></bsdf>"#,
     ];
     for material in materials {
-        for (is_power, photons) in [
-            (false, (0.0, 0)),
-            (true, (0.0, 0)),
-            (false, (0.05, 1000)),
-            (true, (0.02, 1000)),
-        ] {
+        for weighting in WEIGHTINGS {
             let scene = scene(&format!("{PINHOLE}{LAMP}{}", room(material)), &[]);
-            let checked = check(&scene, 2000, is_power, photons);
-            assert!(checked > 5000, "{checked} weights");
+            let checked = check(&scene, 2000, weighting);
+            assert!(checked.all() > 5000, "{checked:?}");
         }
+    }
+}
+
+/// Emitters with discrete ends, from infinity and with surfaces, cameras with discrete ends and with a lens that can be hit,
+/// and vertices of discrete scattering.
+#[test]
+fn weights_of_every_emitter_and_camera_are_those_of_the_densities() {
+    let mirror = r#"<shape type="sphere"><point name="center" value="0.2, 0.5, -0.6"/><float name="radius" value="0.5"/>
+        <bsdf type="conductor"/></shape>
+        <shape type="sphere"><point name="center" value="-0.8, 0.4, 0.1"/><float name="radius" value="0.4"/>
+        <bsdf type="dielectric"/></shape>"#;
+    for camera in ["perspective", "thinlens", "orthographic"] {
+        let mut of_camera = Checked::default();
+        for (name, lamp) in emitters() {
+            let content = format!(
+                "{}{lamp}{mirror}{}",
+                sensor(camera),
+                room(r#"<bsdf type="diffuse"/>"#)
+            );
+            let scene = scene(&content, &[("sky.exr", &sky)]);
+            for weighting in WEIGHTINGS {
+                let checked = check(&scene, 300, weighting);
+                assert!(checked.all() > 200, "{name}, {camera}: {checked:?}");
+                of_camera.lens_met += checked.lens_met;
+                of_camera.emitted += checked.emitted;
+                of_camera.to_lens += checked.to_lens;
+            }
+        }
+        assert!(
+            of_camera.emitted > 50 && of_camera.to_lens > 1000,
+            "{camera}: {of_camera:?}"
+        );
+        let has_lens = camera == "thinlens";
+        assert_eq!(of_camera.lens_met > 0, has_lens, "{of_camera:?}");
     }
 }

@@ -21,35 +21,42 @@
 //! Invariant (tests): weights of all strategies of a path sum to one.
 
 use crate::sampler::mix;
+use crate::scene::Tables;
 use glam::Vec3;
 
 /// Photons of a pilot pass by cells.
 #[derive(Clone, Copy, Debug)]
 pub struct PhotonDensity<'a> {
-    /// Photons in the cells of each entry: a power of two of entries, or none where no density is known.
+    /// Photons in the cells of each entry.
     pub counts: &'a [u32],
+    /// Number of entries, a power of two; zero where no density is known.
+    pub entries: u32,
     /// Cells per unit of length.
     pub cells_per_length: f32,
     /// Photons per area and light walk that one counted photon stands for.
     pub per_count: f32,
 }
 
-impl PhotonDensity<'_> {
+impl<'a> PhotonDensity<'a> {
     /// Not known: merging counts all its photons as samples.
-    pub const UNKNOWN: PhotonDensity<'static> = PhotonDensity {
-        counts: &[],
-        cells_per_length: 0.0,
-        per_count: 0.0,
-    };
+    #[inline]
+    pub fn unknown(tables: &Tables<'a>) -> PhotonDensity<'a> {
+        PhotonDensity {
+            // Shaders have no empty slices; this one is not read.
+            counts: tables.texels,
+            entries: 0,
+            cells_per_length: 0.0,
+            per_count: 0.0,
+        }
+    }
 
     /// Photons per area and light walk around a position.
     #[inline]
     pub fn at(&self, position: Vec3) -> f32 {
-        let entries = self.counts.len() as u32;
-        if entries == 0 {
+        if self.entries == 0 {
             return 0.0;
         }
-        let entry = entry_of(position * self.cells_per_length, entries);
+        let entry = entry_of(position * self.cells_per_length, self.entries);
         self.counts[entry as usize] as f32 * self.per_count
     }
 }
@@ -59,6 +66,10 @@ impl PhotonDensity<'_> {
 pub fn entry_of(position: Vec3, entries: u32) -> u32 {
     // Casts of negative numbers through i32; they saturate, in shaders they must not.
     let cell = position.floor().clamp(Vec3::splat(-1e9), Vec3::splat(1e9));
-    let [x, y, z] = [cell.x, cell.y, cell.z].map(|c| c as i32 as u32);
+    let (x, y, z) = (
+        cell.x as i32 as u32,
+        cell.y as i32 as u32,
+        cell.z as i32 as u32,
+    );
     mix(x ^ mix(y ^ mix(z))) & (entries - 1)
 }

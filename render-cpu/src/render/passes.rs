@@ -89,7 +89,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
             cache: sorted.view(),
             radius: pass_radius(&view.tables, settings, self.index),
             emitted: light_walks(&view.tables, settings),
-            density: PhotonDensity::UNKNOWN,
+            density: PhotonDensity::unknown(&view.tables),
         };
         let is_adaptive = settings.kind == integrator_kind::ADAPTIVE_PHOTONS;
         let statistics = PixelStatistics::new(film);

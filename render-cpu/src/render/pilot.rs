@@ -84,6 +84,7 @@ impl PilotDensity {
     pub fn view(&self) -> PhotonDensity<'_> {
         PhotonDensity {
             counts: &self.counts,
+            entries: self.counts.len() as u32,
             cells_per_length: self.cells_per_length,
             per_count: self.per_count,
         }

@@ -69,9 +69,10 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         // Nobody else sets it: a backend takes one pass at a time.
         let _ = pilot.set(counted);
     }
-    let density = pilot
-        .get()
-        .map_or(PhotonDensity::UNKNOWN, PilotDensity::view);
+    let density = match pilot.get() {
+        Some(counted) => counted.view(),
+        None => PhotonDensity::unknown(&view.tables),
+    };
     let idle_tracers = Idle::new();
     let filter = SplatFilter::new(&view.tables.camera);
     let idle = Mutex::new(Vec::new());

@@ -81,7 +81,7 @@ impl<'a> Bidirectional<'a> {
                     only_t: if traces_light { 1 } else { own.only_t },
                     unweighted: traces_light || own.unweighted != 0,
                 },
-                photons: PhotonDensity::UNKNOWN,
+                photons: PhotonDensity::unknown(tables),
             },
             has_camera_walks: !traces_light,
         }

@@ -101,7 +101,7 @@ impl<'a> Progressive<'a> {
                     only_t: NONE,
                     unweighted: false,
                 },
-                photons: PhotonDensity::UNKNOWN,
+                photons: PhotonDensity::unknown(tables),
             },
             gather_roughness: settings.photon.gather_roughness,
         }

@@ -4,9 +4,10 @@
 mod common;
 
 use common::lobes::{case, delta_cases, incidences, mixtures, smooth_cases, white};
-use common::{Random, furnace};
+use common::{Random, direction_at, furnace};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
+use halflight_kernel::bsdf::hanrahan_krueger::given;
 use halflight_kernel::bsdf::ward::variant;
 use halflight_kernel::bsdf::{Bsdf, BsdfSample, Lobe, event, lobe, mode};
 use halflight_kernel::math::Frame;
@@ -140,6 +141,28 @@ fn lossless_lobes_return_all_light() {
             let (albedo, error) = furnace::albedo(&case.lobe, &[], *wi, 40_000, 4);
             let miss = ((albedo - Vec3::ONE).abs() - error * 5.0).max_element();
             assert!(miss < 2e-5, "{}, wi {wi}: {albedo} +- {error}", case.name);
+        }
+    }
+}
+
+#[test]
+fn a_thin_layer_without_absorption_returns_all_light() {
+    // Light that is scattered twice is lost: to first order in the depth there is none.
+    for g in [0.0, 0.7] {
+        let mut lobe = white(lobe_kind::HANRAHAN_KRUEGER);
+        lobe.distribution = given::DEPTHS;
+        lobe.specular_transmittance = Vec3::ZERO;
+        lobe.exponent = g;
+        for (depth, least) in [(1e-4, 0.9995), (0.1, 0.8)] {
+            lobe.reflectance = Vec3::splat(depth);
+            for wi in [direction_at(0.0, 0.0), direction_at(130.0, 20.0)] {
+                let (albedo, error) = furnace::albedo(&lobe, &[], wi, 40_000, 4);
+                let range = least - 5.0 * error.x..=1.0 + 5.0 * error.x + 2e-5;
+                assert!(
+                    range.contains(&albedo.x),
+                    "{g} {depth} {wi}: {albedo} +- {error}"
+                );
+            }
         }
     }
 }

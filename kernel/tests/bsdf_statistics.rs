@@ -178,6 +178,16 @@ fn clearcoat_samples_its_density() {
 }
 
 #[test]
+fn thin_transmission_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::THIN_TRANSMISSION);
+}
+
+#[test]
+fn scattering_layer_samples_its_density() {
+    lobes_of_kind_follow(lobe_kind::HANRAHAN_KRUEGER);
+}
+
+#[test]
 fn mixtures_sample_their_density() {
     let mixtures = mixtures();
     let family = (mixtures.len() * incidences().len()) as u32;

@@ -5,6 +5,7 @@ mod common;
 use common::lobes::white;
 use common::{Random, direction_at};
 use glam::{Vec2, Vec3};
+use halflight_kernel::bsdf::hanrahan_krueger::given;
 use halflight_kernel::bsdf::ward::variant;
 use halflight_kernel::bsdf::{Lobe, lobe};
 use halflight_kernel::scene::lobe_kind;
@@ -107,6 +108,51 @@ fn diffusers_transmit_by_lambert() {
         for (wi, wo) in [(wi, -wo), (-wi, wo)] {
             let f = lobe::eval_cosine(&lobe, &[], wi, wo).x / wo.z.abs();
             assert!((f64::from(f) - 0.7 / PI).abs() < 1e-6, "{wi} {wo}: {f}");
+        }
+    }
+}
+
+#[test]
+fn scattering_layers_are_hanrahan_and_krueger() {
+    for (depth, albedo, g) in [(0.3, 0.9, 0.0), (2.0, 0.5, 0.6), (0.01, 1.0, -0.3_f64)] {
+        let mut by_albedo = white(lobe_kind::HANRAHAN_KRUEGER);
+        by_albedo.distribution = given::ALBEDO;
+        by_albedo.reflectance = Vec3::splat(albedo as f32);
+        by_albedo.specular_transmittance = Vec3::splat(depth as f32);
+        by_albedo.exponent = g as f32;
+        let mut by_depths = by_albedo;
+        by_depths.distribution = given::DEPTHS;
+        by_depths.reflectance = Vec3::splat((albedo * depth) as f32);
+        by_depths.specular_transmittance = Vec3::splat(((1.0 - albedo) * depth) as f32);
+        let phase = |i: [f64; 3], o: [f64; 3]| {
+            let cos = i[0] * o[0] + i[1] * o[1] + i[2] * o[2];
+            (1.0 - g * g) / (4.0 * PI) / (1.0 + g * g + 2.0 * g * cos).powf(1.5)
+        };
+        for lobe in [by_albedo, by_depths] {
+            let reflected = |i: [f64; 3], o: [f64; 3]| {
+                let lost = (-depth * (1.0 / i[2] + 1.0 / o[2])).exp();
+                albedo * phase(i, o) / (i[2] + o[2]) * (1.0 - lost)
+            };
+            matches(&lobe, reflected, 1e-4);
+            for (wi, wo) in pairs() {
+                let (i, o) = (wide(wi), wide(-wo));
+                let difference = (-depth / i[2]).exp() - (depth / o[2]).exp();
+                let expected = albedo * phase(i, o) * difference / (i[2] + o[2]);
+                for (wi, wo) in [(wi, -wo), (-wi, wo)] {
+                    let f = f64::from(lobe::eval_cosine(&lobe, &[], wi, wo).x / wo.z.abs());
+                    // The published form cancels where the cosines are alike.
+                    let tolerance = 1e-4 + 1e-7 / (i[2] + o[2]).abs();
+                    let error = (f - expected).abs() / expected.max(1e-4);
+                    assert!(error < tolerance, "{wi} {wo}: {f}, not {expected}");
+                }
+            }
+            // What is not scattered passes: u = 0 chooses that.
+            for wi in [direction_at(0.0, 0.0), direction_at(60.0, 10.0)] {
+                let s = lobe::sample(&lobe, &[], wi, 0.0, Vec2::splat(0.5));
+                let passed = (-depth / f64::from(wi.z)).exp();
+                assert_eq!(s.wo, -wi);
+                assert!((f64::from(s.weight.x * s.pdf) - passed).abs() < 1e-6);
+            }
         }
     }
 }

@@ -168,14 +168,14 @@ fn no_sample_of_two_walks_allocates() {
                 let pixel = [i * 7919 % width, i * 104_729 % height];
                 let mut light = IndependentSampler::new(1, i, 0);
                 let mut camera = IndependentSampler::new(2, i, 0);
-                let ray = transport::camera_ray(&tables, &mut camera, pixel).ray;
+                let seen = transport::camera_ray(&tables, &mut camera, pixel);
                 store.0.clear();
                 bidirectional::sample(
                     &view,
                     &settings,
                     &mut light,
                     &mut camera,
-                    &ray,
+                    &seen,
                     &mut store,
                     |contribution| {
                         assert!(

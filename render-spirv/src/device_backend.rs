@@ -14,7 +14,7 @@ use halflight::film::Film;
 use halflight::film::aov::AovSample;
 use halflight::render::{Backend, PassEnd, PassError, RenderOptions, Stop};
 use halflight::scene::build::Scene;
-use halflight_kernel::scene::features;
+use halflight_kernel::scene::{camera_kind, features};
 use halflight_kernel::transport::integrator_kind;
 use halflight_kernel::transport::staged::PathRecord;
 use rayon::prelude::*;
@@ -75,6 +75,9 @@ pub enum BackendError {
     /// The algorithm has no entry point.
     #[error("there is no shader for the integrator \"{0}\"; `halflight render` has it")]
     NoShader(String),
+    /// The sensor has no shader.
+    #[error("there is no shader for irradiance meters; `halflight render` has them")]
+    NoMeter,
     /// The committed module is older than the program.
     #[error(transparent)]
     StaleModule(#[from] StaleModule),
@@ -99,6 +102,9 @@ impl DeviceBackend {
         let in_stages = Stages::serve(kind);
         if !in_stages && kind != integrator_kind::AMBIENT_OCCLUSION {
             return Err(BackendError::NoShader(scene.integrator.clone()));
+        }
+        if scene.tables.camera.kind == camera_kind::IRRADIANCE_METER {
+            return Err(BackendError::NoMeter);
         }
         let tables = SceneBuffers::upload(device, scene, accel)?;
         let [width, height] = scene.tables.camera.crop_size;

@@ -99,6 +99,7 @@ pub fn is_delta(kind: u32) -> bool {
 pub fn has_delta(lobe: &Lobe) -> bool {
     is_delta(lobe.kind)
         || lobe.kind == lobe_kind::PLASTIC
+        || lobe.kind == lobe_kind::HANRAHAN_KRUEGER
         || (lobe.kind == lobe_kind::ROUGH_DIELECTRIC
             && float::abs(lobe.eta.x - 1.0) <= rough_dielectric::INDEX_MATCHED)
 }
@@ -232,6 +233,7 @@ pub(super) fn is_opaque(kind: u32) -> bool {
         || kind == lobe_kind::ROUGH_PLASTIC
         || kind == lobe_kind::ROUGH_COAT
         || kind == lobe_kind::MERL
+        || kind == lobe_kind::MEASURED
         || is_delta(kind)
 }
 

@@ -70,8 +70,13 @@ pub fn lobe_falloff(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         | lobe_kind::PLASTIC
         | lobe_kind::DIFFUSE_TRANSMISSION
         | lobe_kind::PRINCIPLED_DIFFUSE
-        | lobe_kind::SHEEN => 0.0,
+        | lobe_kind::SHEEN
+        | lobe_kind::HANRAHAN_KRUEGER => 0.0,
         lobe_kind::SCHLICK_REFLECTION => normal_falloff(lobe, i + o),
+        // The half vector of the reflection that the sheet mirrors to its other side.
+        lobe_kind::THIN_TRANSMISSION => {
+            normal_falloff(lobe, Vec3::new(i.x + o.x, i.y + o.y, abs(i.z) + abs(o.z)))
+        }
         // Measured and tabulated models.
         _ => falloff_by_differences(|i, o| luminance(model::eval(lobe, data, i, o)), i, o),
     };

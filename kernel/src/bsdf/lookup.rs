@@ -129,7 +129,7 @@ fn set_parameters(lobe: &mut Lobe, record: &LobeRecord, p: &[Rgb; 9]) {
     lobe.table = record.table;
     lobe.table_rows = record.table_rows;
     lobe.internal_reflectance = record.internal_reflectance;
-    if lobe.kind == lobe_kind::MERL {
+    if lobe.kind == lobe_kind::MERL || lobe.kind == lobe_kind::MEASURED {
         return;
     }
     lobe.specular_reflectance = p[1];

@@ -15,10 +15,16 @@ pub mod diffuse;
 pub mod diffuse_transmission;
 pub mod frame_map;
 pub mod fresnel;
+pub mod hanrahan_krueger;
 pub mod lobe;
 mod lobe_frame;
 pub mod local_roughness;
 pub mod lookup;
+pub mod measured;
+mod measured_grid;
+// As the next one, built on hosts.
+#[cfg(not(target_arch = "spirv"))]
+pub mod measured_table;
 pub mod merl;
 // Hosts build the table when a scene is built: it takes a tenth of a second.
 #[cfg(not(target_arch = "spirv"))]
@@ -40,6 +46,7 @@ pub mod roughness;
 pub mod schlick_reflection;
 pub mod sheen;
 pub mod thin_dielectric;
+pub mod thin_transmission;
 pub mod ward;
 
 pub use coat::Coat;

@@ -6,9 +6,9 @@
 use super::fresnel::{fresnel_conductor, fresnel_dielectric};
 use super::{
     BsdfSample, Lobe, clearcoat, coat_reflection, conductor, dielectric, diffracting_conductor,
-    diffuse, diffuse_transmission, event, merl, phong, plastic, principled_diffuse,
-    rough_conductor, rough_dielectric, rough_diffuse, rough_plastic, schlick_reflection, sheen,
-    thin_dielectric, ward,
+    diffuse, diffuse_transmission, event, hanrahan_krueger, measured, merl, phong, plastic,
+    principled_diffuse, rough_conductor, rough_dielectric, rough_diffuse, rough_plastic,
+    schlick_reflection, sheen, thin_dielectric, thin_transmission, ward,
 };
 use crate::math::{Rgb, float};
 use crate::scene::{features, lobe_kind};
@@ -42,6 +42,9 @@ pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
         }
         lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
             merl::eval(lobe, data, wi, wo)
+        }
+        lobe_kind::MEASURED if lobe.may_be(features::lobe(lobe_kind::MEASURED)) => {
+            measured::eval(lobe, data, wi, wo)
         }
         lobe_kind::DIFFRACTING_CONDUCTOR
             if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
@@ -85,6 +88,9 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
             merl::pdf(lobe, data, wi, wo)
         }
+        lobe_kind::MEASURED if lobe.may_be(features::lobe(lobe_kind::MEASURED)) => {
+            measured::pdf(lobe, data, wi, wo)
+        }
         lobe_kind::DIFFRACTING_CONDUCTOR
             if lobe.may_be(features::lobe(lobe_kind::DIFFRACTING_CONDUCTOR)) =>
         {
@@ -108,6 +114,8 @@ fn eval_later(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
         lobe_kind::SHEEN => sheen::eval(lobe, wi, wo),
         lobe_kind::SCHLICK_REFLECTION => schlick_reflection::eval(lobe, wi, wo),
         lobe_kind::CLEARCOAT => clearcoat::eval(lobe, wi, wo),
+        lobe_kind::THIN_TRANSMISSION => thin_transmission::eval(lobe, wi, wo),
+        lobe_kind::HANRAHAN_KRUEGER => hanrahan_krueger::eval(lobe, wi, wo),
         _ => Vec3::ZERO,
     }
 }
@@ -123,6 +131,8 @@ fn pdf_later(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
         lobe_kind::SHEEN => sheen::pdf(lobe, wi, wo),
         lobe_kind::SCHLICK_REFLECTION => schlick_reflection::pdf(lobe, wi, wo),
         lobe_kind::CLEARCOAT => clearcoat::pdf(lobe, wi, wo),
+        lobe_kind::THIN_TRANSMISSION => thin_transmission::pdf(lobe, wi, wo),
+        lobe_kind::HANRAHAN_KRUEGER => hanrahan_krueger::pdf(lobe, wi, wo),
         _ => 0.0,
     }
 }
@@ -144,6 +154,8 @@ fn sample_later(
         lobe_kind::SHEEN => sheen::sample(lobe, wi, u1, u2),
         lobe_kind::SCHLICK_REFLECTION => schlick_reflection::sample(lobe, wi, normal()),
         lobe_kind::CLEARCOAT => clearcoat::sample(lobe, wi, u1, u2),
+        lobe_kind::THIN_TRANSMISSION => thin_transmission::sample(lobe, wi, normal()),
+        lobe_kind::HANRAHAN_KRUEGER => hanrahan_krueger::sample(lobe, wi, u1, u2),
         _ => BsdfSample::NONE,
     }
 }
@@ -240,6 +252,9 @@ pub fn sample_with_normal(
         lobe_kind::MERL if lobe.may_be(features::lobe(lobe_kind::MERL)) => {
             merl::sample(lobe, data, wi, u1, u2)
         }
+        lobe_kind::MEASURED if lobe.may_be(features::lobe(lobe_kind::MEASURED)) => {
+            measured::sample(lobe, data, wi, u1, u2)
+        }
         lobe_kind::ROUGH_DIFFUSE if lobe.may_be(features::lobe(lobe_kind::ROUGH_DIFFUSE)) => {
             rough_diffuse::sample(lobe, wi, u1, u2)
         }
@@ -289,6 +304,11 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
                 .max(Vec3::splat(1e-3))
                 .min(Vec3::ONE)
         }
+        lobe_kind::MEASURED if lobe.may_be(features::lobe(lobe_kind::MEASURED)) => {
+            measured::albedo(lobe, data, float::abs(wi.z))
+                .max(Vec3::splat(1e-3))
+                .min(Vec3::ONE)
+        }
         lobe_kind::COAT | lobe_kind::ROUGH_COAT
             if lobe.may_be(
                 features::lobe(lobe_kind::COAT) | features::lobe(lobe_kind::ROUGH_COAT),
@@ -305,7 +325,10 @@ pub fn albedo(lobe: &Lobe, data: &[f32], wi: Vec3) -> Rgb {
             lobe_kind::CLEARCOAT => {
                 lobe.specular_reflectance * clearcoat::fresnel(float::abs(wi.z))
             }
-            lobe_kind::DIFFUSE_TRANSMISSION => lobe.specular_transmittance,
+            lobe_kind::DIFFUSE_TRANSMISSION | lobe_kind::THIN_TRANSMISSION => {
+                lobe.specular_transmittance
+            }
+            lobe_kind::HANRAHAN_KRUEGER => hanrahan_krueger::albedo(lobe, wi),
             _ => lobe.specular_reflectance,
         },
         _ => lobe.specular_reflectance.max(lobe.specular_transmittance),
@@ -332,7 +355,12 @@ pub fn events(kind: u32) -> u32 {
         | lobe_kind::PRINCIPLED_DIFFUSE
         | lobe_kind::SHEEN => event::REFLECTION | event::DIFFUSE,
         lobe_kind::DIFFUSE_TRANSMISSION => event::TRANSMISSION | event::DIFFUSE,
+        lobe_kind::THIN_TRANSMISSION => event::TRANSMISSION | event::GLOSSY,
+        lobe_kind::HANRAHAN_KRUEGER => {
+            event::REFLECTION | event::TRANSMISSION | event::GLOSSY | event::DELTA
+        }
         lobe_kind::MERL
+        | lobe_kind::MEASURED
         | lobe_kind::PHONG
         | lobe_kind::WARD
         | lobe_kind::SCHLICK_REFLECTION

@@ -16,7 +16,8 @@ pub fn lobe_roughness(lobe: &Lobe) -> f32 {
         || kind == lobe_kind::ROUGH_COAT
         || kind == lobe_kind::DIFFRACTING_CONDUCTOR
         || kind == lobe_kind::WARD
-        || kind == lobe_kind::SCHLICK_REFLECTION;
+        || kind == lobe_kind::SCHLICK_REFLECTION
+        || kind == lobe_kind::THIN_TRANSMISSION;
     if is_peaked {
         return lobe.alpha.max_element().min(1.0);
     }

@@ -51,7 +51,7 @@ impl Connector<'_> {
             .strategies
             .weight(light, self.lens_hit_ratio(scattered.pdf, &seen));
         Contribution {
-            value: throughput * scattered.value * (density * weight),
+            value: throughput * scattered.value * (density * weight * seen.response),
             ray: to_lens_segment(point, &seen),
             film: seen.film,
             s,
@@ -87,7 +87,7 @@ impl Connector<'_> {
             .strategies
             .weight(light, self.lens_hit_ratio(emitted, &seen));
         Contribution {
-            value: radiance * (cosine * density * weight / position),
+            value: radiance * (cosine * density * weight / position * seen.response),
             ray: to_lens_segment(point, &seen),
             film: seen.film,
             s: 1,

@@ -24,10 +24,13 @@ use super::weight::{Heuristic, PartialWeights};
 use crate::bsdf::{BsdfSample, event, lobe, mode};
 use crate::math::{Ray, float};
 use crate::sampler::Sampler;
+use crate::scene::camera::CameraSample;
 use crate::scene::emitter::emission;
 use crate::scene::emitter::emission::{EmissionSample, is_delta, light_cosine};
+#[cfg(not(target_arch = "spirv"))]
+use crate::scene::irradiance_meter;
 use crate::scene::surface::{detail, surface_with};
-use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera};
+use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera, camera_kind};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -37,7 +40,7 @@ use glam::Vec3;
 pub struct Walk {
     /// Ray, throughput, depth.
     pub subpath: Subpath,
-    /// Largest channel of the throughput at the start.
+    /// Largest channel of the throughput at the start of a light walk; of a camera walk, [`crate::scene::camera::CameraSample::cosine`].
     pub initial: f32,
     /// One of [`mode`]: radiance from the sensor, importance from an emitter.
     pub mode: u32,
@@ -52,12 +55,12 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// The start of a camera walk along `ray`.
+    /// The start of a camera walk along a ray of the sensor.
     #[inline]
-    pub fn from_sensor(ray: &Ray) -> Walk {
+    pub fn from_sensor(sample: &CameraSample) -> Walk {
         Walk {
-            subpath: Subpath::new(ray, Vec3::ONE),
-            initial: 1.0,
+            subpath: Subpath::new(&sample.ray, Vec3::ONE),
+            initial: sample.cosine,
             mode: mode::RADIANCE,
             weights: PartialWeights::NONE,
             arrived: PartialWeights::NONE,
@@ -118,7 +121,7 @@ impl Walk {
         distance2: f32,
     ) -> PartialWeights {
         let distance = float::sqrt(distance2);
-        let pdf = camera::pdf_perpendicular_area(tables, point.position, distance) * cosine;
+        let pdf = self.pdf_first(tables, point, distance) * cosine;
         if !(pdf > 0.0) {
             return PartialWeights::NONE;
         }
@@ -132,6 +135,17 @@ impl Walk {
                 0.0
             },
         }
+    }
+
+    /// Density per perpendicular area of the first surface point of a camera walk.
+    #[inline]
+    fn pdf_first(&self, tables: &Tables<'_>, point: &SurfacePoint, distance: f32) -> f32 {
+        #[cfg(not(target_arch = "spirv"))]
+        if tables.camera.kind == camera_kind::IRRADIANCE_METER {
+            return irradiance_meter::pdf_perpendicular_area(self.initial, distance)
+                * camera::pixels_per_window_pixel(&tables.camera);
+        }
+        camera::pdf_perpendicular_area(tables, point.position, distance)
     }
 
     fn first_from_emitter(

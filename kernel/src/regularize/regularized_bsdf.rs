@@ -277,6 +277,8 @@ pub fn bound(lobe: &Lobe, transmission: bool) -> f32 {
             lobe.specular_transmittance.max_element() * FRAC_1_PI
         }
         lobe_kind::DIFFUSE_TRANSMISSION => 0.0,
+        lobe_kind::THIN_TRANSMISSION if !transmission => 0.0,
+        lobe_kind::THIN_TRANSMISSION | lobe_kind::HANRAHAN_KRUEGER => TAU_MAX,
         _ if transmission => 0.0,
         lobe_kind::DIFFUSE => diffuse,
         lobe_kind::ROUGH_DIFFUSE => 2.0 * diffuse,

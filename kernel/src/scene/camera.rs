@@ -11,76 +11,24 @@
 //! In terms of the usual W_e per area and solid angle at the lens: `importance = W_e cos_lens / (d^2 pdf_lens)`; for the
 //! pinhole W_e = 1 / (A cos^4), A the film's area in the plane z = 1 (Veach 1997, section 8.3.2).
 //!
+//! The panoramic camera has its own film ([`super::spherical_camera`]), and so has the meter of irradiance, whose lens is a shape
+//! ([`super::irradiance_meter`]).
+//!
 //! Invariants (tests): [`sample_ray`] and [`film_position`] are inverse to each other; the importance integrates to
 //! one; rays agree with an independent renderer.
 
+pub use super::field_of_view::{fov_axis, half_extents};
+pub use super::film_position::{CameraSample, FilmPosition};
+
+#[cfg(not(target_arch = "spirv"))]
+use super::irradiance_meter;
 use super::records::*;
+use super::spherical_camera;
 use super::view::Tables;
 use crate::math::affine::{transform_point, transform_vector};
 use crate::math::{Ray, filter, float, warp};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
-
-/// A ray that a pixel's value is estimated with.
-#[derive(Clone, Copy, Debug)]
-pub struct CameraSample {
-    /// The ray; `t_min` and `t_max` are the clipping planes.
-    pub ray: Ray,
-    /// Factor of the radiance in the pixel's mean; negative in a filter's negative lobes.
-    pub weight: f32,
-    /// Film position in pixels of the whole film.
-    pub film: Vec2,
-}
-
-/// The projection of a point in space onto the film.
-#[derive(Clone, Copy, Debug)]
-pub struct FilmPosition {
-    /// Film position in pixels of the whole film.
-    pub film: Vec2,
-    /// Whether the point is between the clipping planes and its film position in the crop window.
-    pub is_valid: bool,
-    /// Importance per perpendicular area at the point; zero when not valid.
-    pub importance: f32,
-    /// Unit direction from the point to the lens.
-    pub direction: Vec3,
-    /// Distance from the point to the lens point (to the plane z = 0 for parallel rays).
-    pub distance: f32,
-    /// The part of that distance beyond the near clipping plane: surfaces nearer to the lens are invisible and occlude nothing.
-    pub unclipped: f32,
-}
-
-/// Axes that a field of view is given along.
-pub mod fov_axis {
-    /// The width.
-    pub const X: u32 = 0;
-    /// The height.
-    pub const Y: u32 = 1;
-    /// The diagonal.
-    pub const DIAGONAL: u32 = 2;
-    /// The shorter side.
-    pub const SMALLER: u32 = 3;
-    /// The longer side.
-    pub const LARGER: u32 = 4;
-}
-
-/// Tangents of half the horizontal and half the vertical field of view of a film of `width` by `height` pixels, from an
-/// angle in degrees along one of [`fov_axis`]. Angles are clamped to [1e-3, 179.999].
-pub fn half_extents(fov_degrees: f32, axis: u32, width: u32, height: u32) -> (f32, f32) {
-    let w = if width > 0 { width as f32 } else { 1.0 };
-    let h = if height > 0 { height as f32 } else { 1.0 };
-    let t = float::tan(0.5 * fov_degrees.max(1e-3).min(179.999).to_radians());
-    let along_height = axis == fov_axis::Y
-        || (axis == fov_axis::SMALLER && h < w)
-        || (axis == fov_axis::LARGER && h > w);
-    if axis == fov_axis::DIAGONAL {
-        let diagonal = float::sqrt(w * w + h * h);
-        (t * w / diagonal, t * h / diagonal)
-    } else if along_height {
-        (t * w / h, t)
-    } else {
-        (t, t * h / w)
-    }
-}
 
 /// The local position in the film's plane of a film position in pixels.
 #[inline]
@@ -114,9 +62,19 @@ fn lens_point(camera: &Camera, u_lens: Vec2) -> Vec2 {
     }
 }
 
-/// The ray through a film position in pixels of the whole film and a lens point.
-#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+/// The ray of a camera through a film position in pixels of the whole film and a lens point.
+#[inline]
 pub fn ray_through(camera: &Camera, film: Vec2, u_lens: Vec2) -> Ray {
+    if camera.kind == camera_kind::SPHERICAL {
+        spherical_camera::ray(camera, film)
+    } else {
+        projective_ray(camera, film, u_lens)
+    }
+}
+
+/// [`ray_through`] of perspective and orthographic cameras.
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn projective_ray(camera: &Camera, film: Vec2, u_lens: Vec2) -> Ray {
     let p = film_to_local(camera, film);
     let (near, far) = (camera.clip[0], camera.clip[1]);
     if camera.kind == camera_kind::ORTHOGRAPHIC {
@@ -162,14 +120,32 @@ pub fn sample_ray(
     u_film: Vec2,
     u_lens: Vec2,
 ) -> CameraSample {
-    let camera = &tables.camera;
     let (x, weight_x) = sample_axis::<0>(tables, pixel[0], u_film.x);
     let (y, weight_y) = sample_axis::<1>(tables, pixel[1], u_film.y);
-    let film = Vec2::new(x, y);
+    let mut sample = sample_through(tables, Vec2::new(x, y), u_lens);
+    sample.weight *= weight_x * weight_y;
+    sample
+}
+
+/// A ray through a film position in pixels of the whole film, without the filter.
+#[inline]
+pub fn sample_through(tables: &Tables<'_>, film: Vec2, u_lens: Vec2) -> CameraSample {
+    let camera = &tables.camera;
+    #[cfg(not(target_arch = "spirv"))]
+    if camera.kind == camera_kind::IRRADIANCE_METER {
+        let (ray, cosine) = irradiance_meter::ray(tables, film, u_lens);
+        return CameraSample {
+            ray,
+            weight: irradiance_meter::RESPONSE,
+            film,
+            cosine,
+        };
+    }
     CameraSample {
         ray: ray_through(camera, film, u_lens),
-        weight: weight_x * weight_y,
+        weight: 1.0,
         film,
+        cosine: 1.0,
     }
 }
 
@@ -237,6 +213,11 @@ impl Support {
 
 /// The film position of `point` through the lens point of `u_lens`, and its importance.
 pub fn film_position(tables: &Tables<'_>, point: Vec3, u_lens: Vec2) -> FilmPosition {
+    #[cfg(not(target_arch = "spirv"))]
+    if tables.camera.kind == camera_kind::IRRADIANCE_METER {
+        let result = irradiance_meter::project(tables, point, u_lens);
+        return within_window(&tables.camera, result);
+    }
     film_position_through(tables, point, lens_point(&tables.camera, u_lens))
 }
 
@@ -244,14 +225,10 @@ pub fn film_position(tables: &Tables<'_>, point: Vec3, u_lens: Vec2) -> FilmPosi
 pub fn film_position_through(tables: &Tables<'_>, point: Vec3, lens: Vec2) -> FilmPosition {
     let camera = &tables.camera;
     let local = transform_point(&camera.to_camera, point);
-    let mut result = FilmPosition {
-        film: Vec2::ZERO,
-        is_valid: false,
-        importance: 0.0,
-        direction: Vec3::Z,
-        distance: 0.0,
-        unclipped: 0.0,
-    };
+    let mut result = FilmPosition::NONE;
+    if camera.kind == camera_kind::SPHERICAL {
+        return spherical_position(camera, point);
+    }
     let area = 4.0 * camera.tan_half_width * camera.tan_half_height;
     if !(local.z > 0.0) || !(area > 0.0) {
         return result;
@@ -275,6 +252,28 @@ pub fn film_position_through(tables: &Tables<'_>, point: Vec3, lens: Vec2) -> Fi
         result.is_valid = local.z > camera.clip[0] && local.z < camera.clip[1];
     }
     result.importance = importance(camera, local.z, result.distance);
+    within_window(camera, result)
+}
+
+/// [`film_position`] of a panoramic camera.
+fn spherical_position(camera: &Camera, point: Vec3) -> FilmPosition {
+    let seen = spherical_camera::project(camera, point);
+    let distance = seen.to_camera.length();
+    let result = FilmPosition {
+        film: seen.film,
+        is_valid: distance > camera.clip[0] && distance < camera.clip[1],
+        importance: seen.pdf / (distance * distance),
+        direction: seen.to_camera / distance,
+        distance,
+        unclipped: distance - camera.clip[0],
+        ..FilmPosition::NONE
+    };
+    within_window(camera, result)
+}
+
+/// Not seen where it is outside of the crop window, or where the importance is infinite.
+#[inline]
+fn within_window(camera: &Camera, mut result: FilmPosition) -> FilmPosition {
     let x0 = camera.crop_offset[0] as f32;
     let y0 = camera.crop_offset[1] as f32;
     let in_window = result.film.x >= x0
@@ -325,12 +324,23 @@ pub fn pixels_per_window_pixel(camera: &Camera) -> f32 {
 /// area, arrive at `point`, `distance` away; zero behind the camera. Clipping planes and the window's rim are ignored.
 pub fn pdf_perpendicular_area(tables: &Tables<'_>, point: Vec3, distance: f32) -> f32 {
     let camera = &tables.camera;
-    let z = transform_point(&camera.to_camera, point).z;
-    if !(z > 0.0) {
-        return 0.0;
-    }
-    let pdf = importance(camera, z, distance) * pixels_per_window_pixel(camera);
+    let importance = if camera.kind == camera_kind::SPHERICAL {
+        spherical_camera::project(camera, point).pdf / (distance * distance)
+    } else {
+        let z = transform_point(&camera.to_camera, point).z;
+        if !(z > 0.0) {
+            return 0.0;
+        }
+        importance(camera, z, distance)
+    };
+    let pdf = importance * pixels_per_window_pixel(camera);
     if float::is_finite(pdf) { pdf } else { 0.0 }
+}
+
+/// Whether numbers choose the point of the lens.
+#[inline]
+pub fn has_lens_points(camera: &Camera) -> bool {
+    camera.kind == camera_kind::THIN_LENS || camera.kind == camera_kind::IRRADIANCE_METER
 }
 
 /// Density per area of the points of a lens; zero where the lens is a point or rays are parallel.

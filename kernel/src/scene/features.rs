@@ -110,6 +110,7 @@ pub fn of(tables: &Tables<'_>) -> u32 {
                 | lobe_kind::ROUGH_COAT
                 | lobe_kind::DIFFRACTING_CONDUCTOR
                 | lobe_kind::SCHLICK_REFLECTION
+                | lobe_kind::THIN_TRANSMISSION
         );
         add(microfacets(record.distribution), is_rough);
         // Whatever its variant.

@@ -10,9 +10,14 @@ pub mod bvh2;
 pub mod camera;
 pub mod emitter;
 pub mod features;
+pub mod field_of_view;
+pub mod film_position;
 pub mod hit;
 pub mod intersect;
+#[cfg(not(target_arch = "spirv"))]
+pub mod irradiance_meter;
 pub mod records;
+pub mod spherical_camera;
 pub mod surface;
 pub mod texture;
 pub mod traverse;

@@ -3,6 +3,7 @@
 use super::Random;
 use glam::Vec3;
 use halflight_kernel::bsdf::{Lobe, event, lobe};
+use halflight_kernel::scene::lobe_kind;
 
 /// The directional albedo of `lobe` at `wi`, the integral of f cos and the discrete parts, by `samples` of its own
 /// sampler; with its standard error.
@@ -47,7 +48,14 @@ pub fn asymmetry(lobe: &Lobe, data: &[f32], pairs: u32, seed: u64) -> f32 {
         if k % 2 == 0 && s.pdf > 0.0 && s.event & event::DELTA == 0 {
             wo = s.wo;
         }
-        let index = |w: Vec3| if w.z > 0.0 { 1.0 } else { lobe.eta.x };
+        let is_boundary = lobe.kind == lobe_kind::ROUGH_DIELECTRIC;
+        let index = |w: Vec3| {
+            if w.z > 0.0 || !is_boundary {
+                1.0
+            } else {
+                lobe.eta.x
+            }
+        };
         let forward = lobe::eval_cosine(lobe, data, wi, wo) / wo.z.abs();
         let backward = lobe::eval_cosine(lobe, data, wo, wi) / wi.z.abs();
         let (mut a, mut b) = (forward, backward);

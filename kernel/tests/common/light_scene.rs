@@ -53,6 +53,8 @@ pub const CAMERA: Camera = Camera {
     filter_parameters: [0.5, 0.0, 0.0],
     filter_table: 0,
     filter_table_size: 0,
+    shape: NONE,
+    shape_areas: NONE,
 };
 
 /// An emitter of the given kind with nothing else set.

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Lobe;
 use halflight_kernel::bsdf::diffracting_conductor::fill_table;
 use halflight_kernel::bsdf::diffraction_table::{FineScale, WORDS};
+use halflight_kernel::bsdf::hanrahan_krueger::given;
 use halflight_kernel::bsdf::ward::variant;
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
 use std::sync::OnceLock;
@@ -101,6 +102,38 @@ pub fn later_cases() -> Vec<Case> {
         let mut lobe = white(lobe_kind::CLEARCOAT);
         lobe.alpha = Vec2::splat(alpha);
         cases.push(case(&format!("clear coat, alpha {alpha}"), lobe));
+    }
+    for (alpha, eta) in [
+        (Vec2::splat(0.2), 1.5),
+        (Vec2::new(0.1, 0.5), 1.9),
+        (Vec2::splat(0.6), 0.8),
+    ] {
+        let mut lobe = white(lobe_kind::THIN_TRANSMISSION);
+        lobe.distribution = distribution::GGX;
+        lobe.specular_transmittance = Vec3::new(1.0, 0.5, 0.1);
+        lobe.alpha = alpha;
+        lobe.eta = Vec3::splat(eta);
+        cases.push(case(
+            &format!("thin transmission, alpha {alpha}, eta {eta}"),
+            lobe,
+        ));
+    }
+    for (given, first, second, g) in [
+        (given::DEPTHS, Vec3::new(1.0, 0.5, 0.1), 0.2, 0.0),
+        (given::DEPTHS, Vec3::splat(0.01), 0.0, 0.5),
+        (given::DEPTHS, Vec3::splat(5.0), 1.0, -0.4),
+        (given::ALBEDO, Vec3::new(1.0, 0.5, 0.1), 2.0, 0.9),
+        (given::ALBEDO, Vec3::splat(0.9), 1e9, 0.3),
+    ] {
+        let mut lobe = white(lobe_kind::HANRAHAN_KRUEGER);
+        lobe.distribution = given;
+        lobe.reflectance = first;
+        lobe.specular_transmittance = Vec3::splat(second);
+        lobe.exponent = g;
+        cases.push(case(
+            &format!("scattering layer, {given}, {first}, {second}, g {g}"),
+            lobe,
+        ));
     }
     cases
 }

@@ -89,6 +89,7 @@ fn emitters() -> Vec<(String, Scene, f64)> {
         ("wide spot", emitter_kind::SPOT, [1.0, 3.0, 0.0, 0.0]),
         ("projector", emitter_kind::PROJECTOR, [0.7, 0.4, 0.0, 0.0]),
         ("directional", emitter_kind::DIRECTIONAL, [0.0; 4]),
+        ("collimated", emitter_kind::COLLIMATED, [0.0; 4]),
     ] {
         let mut scene = Scene::new();
         scene.info.center = [0.5, -0.25, 0.75];
@@ -104,6 +105,8 @@ fn emitters() -> Vec<(String, Scene, f64)> {
         scene.emitters.push(record);
         let flux = if kind == emitter_kind::DIRECTIONAL {
             light * PI * 100.0
+        } else if kind == emitter_kind::COLLIMATED {
+            light
         } else {
             over_directions(|w| luminance(delta::intensity(&scene.tables(), 0, w)))
         };
@@ -172,7 +175,10 @@ fn directions_follow_their_density() {
     for (name, scene, _) in &all {
         let tables = scene.tables();
         let record = &tables.emitters[0];
-        if record.kind == emitter_kind::DIRECTIONAL {
+        if matches!(
+            record.kind,
+            emitter_kind::DIRECTIONAL | emitter_kind::COLLIMATED
+        ) {
             continue;
         }
         // On area lights relative to the normal, whose density no position changes.
@@ -255,7 +261,10 @@ fn the_mean_weight_is_the_power() {
         let stated = f64::from(power(&scene.tables(), 0));
         // Textures and sheared shapes are estimated, for choosing emitters.
         let tolerance = match scene.emitters[0].kind {
-            emitter_kind::POINT | emitter_kind::DIRECTIONAL | emitter_kind::CONSTANT => 1e-4,
+            emitter_kind::POINT
+            | emitter_kind::DIRECTIONAL
+            | emitter_kind::COLLIMATED
+            | emitter_kind::CONSTANT => 1e-4,
             _ => 0.3,
         };
         assert!(
@@ -270,7 +279,7 @@ fn the_mean_weight_is_the_power() {
         }
     }
     whole.info.environment = whole.emitters.len() as u32 - 1;
-    assert_eq!(whole.emitters.len(), 3);
+    assert_eq!(whole.emitters.len(), 4);
     whole.select();
     let mut mean = Mean::default();
     let mut random = Random(0x4321);

@@ -5,7 +5,7 @@ use crate::film::Film;
 use crate::film::aov::AovSet;
 use crate::render::record::sampler_name;
 use crate::render::{Backend, CpuBackend, Goal, RenderOptions, Shape, Stop, shape};
-use crate::scene::build::Scene;
+use crate::scene::build::{Scene, all_sensors};
 use crate::scene::xml::{ObjectKind, ParsedScene};
 use halflight_kernel::scene::{camera_kind, emitter_kind, lobe_kind};
 use serde::Serialize;
@@ -137,6 +137,8 @@ impl Report {
             camera: match camera.kind {
                 camera_kind::THIN_LENS => "thin lens",
                 camera_kind::ORTHOGRAPHIC => "orthographic",
+                camera_kind::SPHERICAL => "spherical",
+                camera_kind::IRRADIANCE_METER => "irradiance meter",
                 _ => "perspective",
             },
             size: camera.film_size,
@@ -148,7 +150,13 @@ impl Report {
             sampler_name: scene.sampler_name.clone(),
             seed: scene.seed,
             parameters: parameters.collect(),
-            sensors: named(ObjectKind::Sensor, false),
+            sensors: all_sensors(&parsed.root)
+                .into_iter()
+                .map(|(sensor, _)| Named {
+                    plugin: sensor.plugin.clone(),
+                    id: sensor.id.clone(),
+                })
+                .collect(),
             bsdfs: named(ObjectKind::Bsdf, true),
             center: tables.info.center,
             radius: tables.info.radius,
@@ -255,6 +263,7 @@ fn lobe_name(kind: u32) -> &'static str {
         lobe_kind::COAT => "coat",
         lobe_kind::ROUGH_COAT => "rough coat",
         lobe_kind::MERL => "measured",
+        lobe_kind::MEASURED => "measured, adaptive directions",
         lobe_kind::ROUGH_DIFFUSE => "rough diffuse",
         lobe_kind::DIFFRACTING_CONDUCTOR => "diffracting conductor",
         lobe_kind::PHONG => "Phong highlight",
@@ -264,6 +273,8 @@ fn lobe_name(kind: u32) -> &'static str {
         lobe_kind::SHEEN => "sheen",
         lobe_kind::SCHLICK_REFLECTION => "Schlick reflection",
         lobe_kind::CLEARCOAT => "clear coat",
+        lobe_kind::THIN_TRANSMISSION => "thin transmission",
+        lobe_kind::HANRAHAN_KRUEGER => "scattering layer",
         _ => "unknown",
     }
 }
@@ -277,6 +288,7 @@ fn emitter_name(kind: u32) -> &'static str {
         emitter_kind::DIRECTIONAL => "directional",
         emitter_kind::CONSTANT => "constant",
         emitter_kind::ENVIRONMENT => "environment",
+        emitter_kind::COLLIMATED => "collimated",
         _ => "unknown",
     }
 }

@@ -54,7 +54,12 @@ const SENSORS: &[Entry] = &[
     ("perspective", "a pinhole camera"),
     ("thinlens", "a camera with depth of field"),
     ("orthographic", "a camera of parallel rays"),
+    (
+        "spherical",
+        "all directions, by longitude and latitude; also equirectangular, panoramic and environment",
+    ),
     ("radiancemeter", "radiance along one ray"),
+    ("irradiancemeter", "irradiance on a shape"),
 ];
 
 const BSDFS: &[Entry] = &[
@@ -69,10 +74,13 @@ const BSDFS: &[Entry] = &[
     ("roughplastic", "a diffuse base under a rough dielectric"),
     ("ctd", "a metal whose finer roughness diffracts"),
     ("merl", "measured isotropic reflectance"),
+    ("measured", "measured reflectance of the RGL database"),
     ("phong", "the modified Phong model"),
     ("ward", "Ward's anisotropic model"),
     ("difftrans", "diffuse transmission"),
+    ("hk", "single scattering in a thin layer"),
     ("principled", "Disney's model"),
+    ("principledthin", "Disney's model for thin sheets"),
     ("coating", "a smooth dielectric layer above another BSDF"),
     (
         "roughcoating",
@@ -93,6 +101,7 @@ const EMITTERS: &[Entry] = &[
     ("spot", "a spot light"),
     ("projector", "an image, projected"),
     ("directional", "parallel light"),
+    ("collimated", "a beam without width"),
     ("constant", "the same radiance from all sides"),
     ("envmap", "an image of the surroundings"),
     ("sky", "the sky of a day"),

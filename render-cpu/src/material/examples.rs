@@ -56,6 +56,18 @@ pub const EXAMPLES: &[Example] = &[
         bsdf: r#"<bsdf type="merl"><string name="filename" value="$halflight_folder/nickel.binary"/></bsdf>"#,
     },
     Example {
+        name: "measured",
+        bsdf: r#"<bsdf type="measured"><string name="filename" value="$halflight_folder/brushed.bsdf"/></bsdf>"#,
+    },
+    Example {
+        name: "principledthin",
+        bsdf: r#"<bsdf type="principledthin"><rgb name="base_color" value="0.6, 0.7, 0.3"/><float name="roughness" value="0.4"/><float name="spec_trans" value="0.4"/><float name="diff_trans" value="1"/></bsdf>"#,
+    },
+    Example {
+        name: "hk",
+        bsdf: r#"<bsdf type="hk"><rgb name="sigma_s" value="1.2, 0.8, 0.4"/><rgb name="sigma_a" value="0.02, 0.05, 0.1"/><float name="thickness" value="1.5"/></bsdf>"#,
+    },
+    Example {
         name: "dielectric",
         bsdf: r#"<bsdf type="dielectric"/>"#,
     },

@@ -5,7 +5,7 @@ use crate::accel::Accel;
 use crate::film::Film;
 use crate::film::aov::AovSet;
 use crate::image::png_output::{Exposure, tone_map};
-use crate::measured::synthetic::nickel;
+use crate::measured::synthetic::{brushed, nickel};
 use crate::render::{Goal, Observer, RenderOptions, RunState, render};
 use crate::scene::build::{BuildOptions, FilmOverride, Scene, build_scene};
 use crate::scene::xml::parse_scene_from_str;
@@ -34,8 +34,9 @@ const FIELD: [&str; 2] = [
 
 /// Name of the parameter that holds the folder with the files of the preview.
 const FOLDER: &str = "halflight_folder";
-/// The synthetic measurement, as BSDFs name it.
+/// The synthetic measurements, as BSDFs name them.
 const NICKEL: &str = "$halflight_folder/nickel.binary";
+const BRUSHED: &str = "$halflight_folder/brushed.bsdf";
 
 /// Index of the ball among the shapes: the floor comes first.
 const BALL_SHAPE: usize = 1;
@@ -92,6 +93,9 @@ impl Preview {
         fs::write(directory.path().join("foot.obj"), FOOT)?;
         if source.bsdf.contains(NICKEL) {
             fs::write(directory.path().join("nickel.binary"), nickel())?;
+        }
+        if source.bsdf.contains(BRUSHED) {
+            fs::write(directory.path().join("brushed.bsdf"), brushed()?)?;
         }
         let text = scene_text(source, &directory.path().to_string_lossy());
         let parsed = parse_scene_from_str(&text, &source.file, &[], false)?;

@@ -80,7 +80,9 @@ pub fn find(name: &str, id: Option<&str>) -> Result<Source, SourceError> {
                 .is_some_and(|e| e.eq_ignore_ascii_case(wanted))
         };
         return if has_extension("binary") {
-            measured(path)
+            measured(path, "merl")
+        } else if has_extension("bsdf") {
+            measured(path, "measured")
         } else {
             scene_bsdf(path, id)
         };
@@ -117,14 +119,14 @@ pub(super) fn inline(name: &str, bsdf: &str) -> Source {
     }
 }
 
-/// A file of measured reflectance.
-fn measured(path: &Path) -> Result<Source, SourceError> {
+/// A file of measured reflectance, for a plugin.
+fn measured(path: &Path, plugin: &str) -> Result<Source, SourceError> {
     let absolute = path.canonicalize().map_err(|source| SourceError::Io {
         file: path.to_owned(),
         source,
     })?;
     let bsdf = format!(
-        "<bsdf type=\"merl\"><string name=\"filename\" value=\"{}\"/></bsdf>",
+        "<bsdf type=\"{plugin}\"><string name=\"filename\" value=\"{}\"/></bsdf>",
         escaped(&absolute.to_string_lossy())
     );
     Ok(inline(&file_name(path), &bsdf))

@@ -1,4 +1,6 @@
-//! Measured scattering functions: readers, and a synthetic measurement to show them with.
+//! Measured scattering functions: readers, and synthetic measurements to show them with.
 
 pub mod merl;
+pub mod rgl;
 pub mod synthetic;
+pub mod tensor_file;

@@ -197,7 +197,7 @@ impl BidirectionalWorkspace {
         self.weights.clear();
         for sample in samples.iter_mut() {
             let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
-            self.walks.push(Walk::from_sensor(&seen.ray), true);
+            self.walks.push(Walk::from_sensor(&seen), true);
             self.weights.push(seen.weight);
         }
         while !self.walks.is_done() {

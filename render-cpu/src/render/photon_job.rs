@@ -82,7 +82,7 @@ impl PhotonWorkspace {
         for sample in samples.iter_mut() {
             let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
             self.walks
-                .push(Walk::from_sensor(&seen.ray), settings.rules.max_depth > 0);
+                .push(Walk::from_sensor(&seen), settings.rules.max_depth > 0);
             self.weights.push(seen.weight);
         }
         while !self.walks.is_done() {

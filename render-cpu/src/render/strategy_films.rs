@@ -192,7 +192,7 @@ impl StrategyBackend<'_> {
                 &settings,
                 &mut sample.light,
                 &mut sample.camera,
-                &seen.ray,
+                &seen,
                 &mut vertices,
                 |contribution| {
                     let strategy = self.pyramid.index(contribution.s, contribution.t);

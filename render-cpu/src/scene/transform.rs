@@ -141,6 +141,18 @@ pub fn rows_and_inverse(matrix: &DMat4) -> Result<([f32; 12], [f32; 12]), Transf
     Ok((rows(matrix), rows(&inverse)))
 }
 
+/// Whether the map is a rotation, mirrored or not, scaled by the same factor along all directions.
+pub fn keeps_angles(matrix: &DMat4) -> bool {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec4::truncate);
+    let size = x.length_squared();
+    let alike = |v: f64, expected: f64| (v - expected).abs() <= 1e-4 * size;
+    alike(y.length_squared(), size)
+        && alike(z.length_squared(), size)
+        && [x.dot(y), y.dot(z), z.dot(x)]
+            .iter()
+            .all(|v| alike(*v, 0.0))
+}
+
 /// Whether the map mirrors: it turns a right-handed frame into a left-handed one.
 pub fn flips_orientation(matrix: &DMat4) -> bool {
     DMat3::from_mat4(*matrix).determinant() < 0.0

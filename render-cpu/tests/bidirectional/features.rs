@@ -1,9 +1,42 @@
 //! Materials, rules, filters and settings, one at a time, before a lamp that rays meet.
 
-use crate::agreement::{Algorithms, Batches, compare, report, settings_of};
+use crate::agreement::{Algorithms, Batches, agree, compare, report, settings_of};
 use crate::case::{Case, ball, check, sheet};
-use crate::matrix::{WARM, lamp};
+use crate::matrix::{BLOCK, DIFFUSE, WARM, lamp, room, sensor};
+use crate::scenes::scene;
 use halflight_kernel::transport::settings::integrator_kind;
+
+#[test]
+fn a_collimated_beam() {
+    let beam = |target: &str| {
+        format!(
+            r#"<emitter type="collimated"><rgb name="power" value="3, 2, 1"/><transform name="to_world">
+            <lookat origin="0.6, 1.5, -0.9" target="{target}" up="0, 0, 1"/></transform></emitter>"#
+        )
+    };
+    // Through a pane and off a mirror.
+    let pane = sheet!(r#"<bsdf type="thindielectric"/>"#);
+    let mirror = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.3"/><rotate x="1" angle="-125"/>
+        <translate x="0.3" y="0.2" z="-0.6"/></transform><bsdf type="conductor"/></shape>"#;
+    let mut results = Vec::new();
+    for (what, lamp, object) in [
+        ("a beam", beam("-0.4, 0.2, -0.6"), BLOCK.to_owned()),
+        (
+            "a beam through glass",
+            beam("0.3, 0.2, -0.6"),
+            format!("{pane}{mirror}"),
+        ),
+    ] {
+        let text = format!(
+            r#"<integrator type="bdpt"><integer name="max_depth" value="5"/></integrator>{}{lamp}{}"#,
+            sensor("perspective"),
+            room(DIFFUSE, &object)
+        );
+        let algorithms = Algorithms::LightAndBidirectional;
+        results.extend(agree(what, &mut scene(&text, &[]), algorithms, 16));
+    }
+    report(results);
+}
 
 #[test]
 fn materials() {
@@ -40,6 +73,23 @@ fn materials() {
             algorithms: seen,
             samples: 16,
             ..Case::new("thin glass")
+        },
+        Case {
+            object: sheet!(
+                r#"<bsdf type="principledthin"><rgb name="base_color" value="0.8, 0.6, 0.4"/><float name="spec_trans" value="0.6"/>
+                <float name="roughness" value="0.6"/><float name="diff_trans" value="0.8"/></bsdf>"#
+            ),
+            samples: 24,
+            ..Case::new("a thin sheet")
+        },
+        Case {
+            object: sheet!(
+                r#"<bsdf type="hk"><rgb name="sigmaS" value="2, 1, 0.5"/><rgb name="sigmaA" value="0.1, 0.1, 0.3"/>
+                <float name="thickness" value="0.5"/><phase type="hg"><float name="g" value="0.4"/></phase></bsdf>"#
+            ),
+            algorithms: seen,
+            samples: 24,
+            ..Case::new("a scattering layer")
         },
         Case {
             material: r#"<bsdf type="roughplastic"><float name="alpha" value="0.2"/><rgb name="diffuse_reflectance" value="0.6, 0.4, 0.2"/></bsdf>"#,

@@ -152,6 +152,21 @@ pub fn emitters() -> Vec<(&'static str, String)> {
 
 /// A sensor of the kind.
 pub fn sensor(kind: &str) -> String {
+    if kind == "irradiancemeter" {
+        // Under the lamp, turned towards the block or mirror.
+        return r#"<shape type="disk"><transform name="to_world"><scale x="0.3" y="0.2"/><rotate x="1" angle="-70"/>
+            <translate x="0.2" y="0.3" z="-0.6"/></transform><bsdf type="diffuse"/>
+            <sensor type="irradiancemeter"><film type="hdrfilm"><integer name="width" value="4"/>
+            <integer name="height" value="2"/><rfilter type="box"/></film></sensor></shape>"#
+            .into();
+    }
+    if kind == "spherical" {
+        return r#"<sensor type="spherical"><transform name="to_world">
+            <lookat origin="-0.4, 0.9, 0.3" target="-0.1, 0.6, -0.3" up="0, 1, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="12"/><integer name="height" value="8"/>
+            <rfilter type="box"/></film></sensor>"#
+            .into();
+    }
     let (parameters, size) = match kind {
         "perspective" => (r#"<float name="fov" value="45"/>"#, ""),
         "thinlens" => (
@@ -178,6 +193,10 @@ fn check(kind: &str) {
     let mut results = Vec::new();
     for (emitter, lamp) in emitters() {
         for (surface, material, object) in surfaces {
+            // Light walks hardly ever hit a meter by way of glossy walls.
+            if kind == "irradiancemeter" && surface == "rough" {
+                continue;
+            }
             let algorithms = if surface == "specular"
                 || matches!(emitter, "constant" | "environment" | "several")
             {
@@ -195,7 +214,13 @@ fn check(kind: &str) {
             );
             let mut scene = scene(&text, &[("sky.exr", &sky)]);
             let what = format!("{emitter}, {kind}, {surface}");
-            results.extend(agree(&what, &mut scene, algorithms, 8));
+            let samples = match kind {
+                "spherical" => 16,
+                // It has few pixels.
+                "irradiancemeter" => 400,
+                _ => 8,
+            };
+            results.extend(agree(&what, &mut scene, algorithms, samples));
         }
     }
     report(results);
@@ -209,6 +234,16 @@ fn every_emitter_before_a_pinhole() {
 #[test]
 fn every_emitter_before_a_thin_lens() {
     check("thinlens");
+}
+
+#[test]
+fn every_emitter_before_a_panorama() {
+    check("spherical");
+}
+
+#[test]
+fn every_emitter_before_an_irradiance_meter() {
+    check("irradiancemeter");
 }
 
 #[test]

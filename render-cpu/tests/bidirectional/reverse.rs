@@ -7,6 +7,7 @@ use halflight_kernel::math::Ray;
 use halflight_kernel::path::rules::step;
 use halflight_kernel::path::{Heuristic, Interaction, PathRules, Walk};
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
+use halflight_kernel::scene::camera::CameraSample;
 use halflight_kernel::scene::surface::surface_at;
 use halflight_kernel::scene::{SurfacePoint, Traverse};
 use std::f32::consts::TAU;
@@ -210,7 +211,7 @@ fn roulette_undoes_the_scaling_of_refracted_radiance() {
         // Straight into the glass: radiance is divided by 4, the throughput 0.32 becomes 0.08, and survives as 0.32 would.
         for (number, next) in [(0.3, step::TRACE), (0.34, step::END)] {
             let ray = Ray::new(point.position * 3.0, -point.position);
-            let mut walk = Walk::from_sensor(&ray);
+            let mut walk = Walk::from_sensor(&CameraSample::along(&ray));
             walk.subpath.throughput = Vec3::splat(0.32);
             let wi = point.frame.to_local(point.position);
             let bsdf = Bsdf::at(tables, point, wi, mode::RADIANCE);
@@ -247,7 +248,7 @@ fn strict_normals_end_walks_that_sample_a_direction_through_the_surface() {
             let normal = 0.5 * point.geometric_normal + 0.75_f32.sqrt() * tangent;
             point.frame = halflight_kernel::math::Frame::from_normal(normal.normalize());
             let ray = Ray::new(point.position * 3.0, -point.geometric_normal);
-            let mut walk = Walk::from_sensor(&ray);
+            let mut walk = Walk::from_sensor(&CameraSample::along(&ray));
             let wi = point.frame.to_local(point.geometric_normal);
             let bsdf = Bsdf::at(tables, &point, wi, mode::RADIANCE);
             let at = Interaction::new(&point, &bsdf, ray.direction);

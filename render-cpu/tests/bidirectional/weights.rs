@@ -171,16 +171,16 @@ impl Sample<'_> {
             });
         }
         let pixel = [self.number % 8, self.number / 8 % 6];
-        let ray = camera_ray(tables, &mut sampler, pixel).ray;
-        let (cameras, escaped) = self.follow(Walk::from_sensor(&ray), &mut sampler, |_, _, _| {});
+        let seen = camera_ray(tables, &mut sampler, pixel);
+        let (cameras, escaped) = self.follow(Walk::from_sensor(&seen), &mut sampler, |_, _, _| {});
         self.checked.lens_met += checked.lens_met;
 
         self.start_to_lens(&start, end, &mut sampler);
         for i in 0..light.len() {
-            self.light_vertex(&light[..=i], end, &cameras, ray.origin, &mut sampler);
+            self.light_vertex(&light[..=i], end, &cameras, seen.ray.origin, &mut sampler);
         }
         for j in 0..cameras.len() {
-            self.camera_vertex(&cameras[..=j], &start, ray.origin, &mut sampler);
+            self.camera_vertex(&cameras[..=j], &start, seen.ray.origin, &mut sampler);
         }
         if let Some(walk) = escaped {
             let left = weight(|plain| Contribution {
@@ -194,7 +194,7 @@ impl Sample<'_> {
                     direction: -walk.subpath.ray.direction,
                 },
                 inner: cameras.iter().rev().map(|c| c.site.point).collect(),
-                lens: ray.origin,
+                lens: seen.ray.origin,
             };
             if left.is_some() {
                 self.checked.emitted += self.compare(left, &path, 0);

@@ -1,28 +1,13 @@
 //! `principled` as flattened lobes, against values of Mitsuba 3.9.1.
 
-use crate::build;
-use glam::{Vec2, Vec3};
-use halflight_kernel::bsdf::{Bsdf, mode};
-use halflight_kernel::math::Frame;
-use halflight_kernel::scene::{SurfacePoint, Tables};
-
-/// The material of the first shape at a point of a plane.
-fn bsdf(tables: &Tables<'_>, wi: Vec3) -> Bsdf {
-    let point = SurfacePoint {
-        frame: Frame::LOCAL,
-        geometric_normal: Vec3::Z,
-        uv: Vec2::splat(0.5),
-        material: tables.shapes[0].material,
-        ..SurfacePoint::ZERO
-    };
-    Bsdf::at(tables, &point, wi, mode::RADIANCE)
-}
+use crate::{bsdf, build};
+use glam::Vec3;
 
 #[track_caller]
-fn matches(properties: &str, oracle: &str) {
+fn matches(plugin: &str, properties: &str, oracle: &str) {
     let scene = build(
         "3.0.0",
-        &format!(r#"<shape type="sphere"><bsdf type="principled">{properties}</bsdf></shape>"#),
+        &format!(r#"<shape type="sphere"><bsdf type="{plugin}">{properties}</bsdf></shape>"#),
     );
     let tables = scene.tables.view();
     let mut positive = 0;
@@ -59,7 +44,11 @@ fn floats(values: &[(&str, f64)]) -> String {
 
 #[test]
 fn values_are_those_of_mitsuba() {
-    matches("", include_str!("../oracle/principled/default.csv"));
+    matches(
+        "principled",
+        "",
+        include_str!("../oracle/principled/default.csv"),
+    );
     for (values, oracle) in [
         (
             &[("roughness", 0.9), ("specular", 0.2)][..],
@@ -112,7 +101,57 @@ fn values_are_those_of_mitsuba() {
             include_str!("../oracle/principled/all.csv"),
         ),
     ] {
-        matches(&(BASE.to_owned() + &floats(values)), oracle);
+        matches("principled", &(BASE.to_owned() + &floats(values)), oracle);
+    }
+}
+
+#[test]
+fn values_of_thin_sheets_are_those_of_mitsuba() {
+    for (values, oracle) in [
+        (
+            &[("roughness", 0.9)][..],
+            include_str!("../oracle/principledthin/opaque.csv"),
+        ),
+        (
+            &[
+                ("roughness", 0.6),
+                ("diff_trans", 1.2),
+                ("sheen", 0.6),
+                ("sheen_tint", 0.5),
+                ("flatness", 0.3),
+            ],
+            include_str!("../oracle/principledthin/paper.csv"),
+        ),
+        (
+            &[
+                ("roughness", 0.5),
+                ("spec_trans", 1.0),
+                ("eta", 1.7),
+                ("anisotropic", 0.5),
+                ("spec_tint", 0.4),
+            ],
+            include_str!("../oracle/principledthin/glass.csv"),
+        ),
+        (
+            &[
+                ("roughness", 0.5),
+                ("spec_trans", 0.4),
+                ("eta", 1.4),
+                ("anisotropic", 0.3),
+                ("spec_tint", 0.3),
+                ("sheen", 0.5),
+                ("sheen_tint", 0.2),
+                ("flatness", 0.4),
+                ("diff_trans", 0.8),
+            ],
+            include_str!("../oracle/principledthin/all.csv"),
+        ),
+    ] {
+        matches(
+            "principledthin",
+            &(BASE.to_owned() + &floats(values)),
+            oracle,
+        );
     }
 }
 

@@ -43,6 +43,15 @@ fn parallel_rays() {
 }
 
 #[test]
+fn panoramas() {
+    let files = Files::new();
+    agrees(&files, "spherical", "", "");
+    let window = r#"<integer name="crop_offset_x" value="5"/><integer name="crop_width" value="13"/>
+        <rfilter type="lanczos"/>"#;
+    agrees(&files, "panoramic", "", window);
+}
+
+#[test]
 fn filters() {
     let files = Files::new();
     for filter in [

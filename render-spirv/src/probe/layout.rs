@@ -106,7 +106,7 @@ layouts! {
     camera, Camera {
         kind, to_world, to_camera, film_size, crop_offset, crop_size, tan_half_width, tan_half_height,
         principal_point_offset, aperture_radius, focus_distance, clip, filter, filter_parameters, filter_table,
-        filter_table_size
+        filter_table_size, shape, shape_areas
     }
     info, SceneInfo { center, radius, environment, srgb_table, flags }
     settings, IntegratorSettings {

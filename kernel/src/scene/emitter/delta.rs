@@ -7,6 +7,8 @@
 //! - Projector: a texture seen from a pinhole along +z, `E = pi T(uv) / (z^2 cos theta)` on a facing surface, with
 //!   `uv = 1/2 - (x, y) / (2 z tan)`: a plane at z = 1 across the axis is lit with an irradiance of pi T, evenly.
 //! - Directional: irradiance E on a facing surface, from infinity, travelling along +z.
+//! - Collimated: a power along +z from a point, without width. No point is lit by it but where the beam ends, so that only walks
+//!   from the light find it.
 //!
 //! Here E is in W/m^2 on a surface that faces the light, x, y, z the reference point in the light's frame. Definitions
 //! and the factor pi are those of Mitsuba 3 (numbers in the tests).
@@ -78,8 +80,10 @@ pub fn sample(tables: &Tables<'_>, emitter: u32, reference: Vec3) -> DirectSampl
     let local = transform_point(&record.to_local, reference);
     let radiance = if record.kind == emitter_kind::SPOT {
         spot(tables, record, local) / distance2
-    } else {
+    } else if record.kind == emitter_kind::PROJECTOR {
         projector(tables, record, local)
+    } else {
+        Vec3::ZERO
     };
     if !(radiance.max_element() > 0.0) || !radiance.is_finite() {
         return DirectSample::NONE;
@@ -94,6 +98,10 @@ pub fn intensity(tables: &Tables<'_>, emitter: u32, direction: Vec3) -> Rgb {
     let record = &tables.emitters[emitter as usize];
     if record.kind == emitter_kind::POINT {
         return vec3(record.radiance.value);
+    }
+    // A beam has no intensity: all of its power goes one way.
+    if record.kind == emitter_kind::COLLIMATED {
+        return Vec3::ZERO;
     }
     let local = transform_vector(&record.to_local, direction);
     if record.kind == emitter_kind::SPOT {
@@ -151,6 +159,7 @@ pub(super) fn power(tables: &Tables<'_>, emitter: &Emitter) -> f64 {
     }
     match emitter.kind {
         emitter_kind::POINT => 4.0 * pi * mean,
+        emitter_kind::COLLIMATED => mean,
         emitter_kind::SPOT => {
             // The solid angle of the cone half way down the falloff.
             let half = 0.5 * (emitter.parameters[0] + emitter.parameters[1]);

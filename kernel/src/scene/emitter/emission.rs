@@ -8,6 +8,7 @@
 //! | point | discrete | uniform, 1 / (4 pi) | I / p_w |
 //! | spot | discrete | uniform in the cone of the cutoff | I(w) / p_w |
 //! | projector | discrete | uniform on the image plane, 1 / (A cos^3) | pi T A |
+//! | collimated | discrete | discrete | power |
 //! | directional | disk of the scene's radius across the direction, 1 / (pi R^2) | discrete | E pi R^2 |
 //! | constant, environment | the same disk | the table of next event estimation | L / (p_A p_w) |
 //!
@@ -45,6 +46,7 @@ pub fn is_delta(kind: u32) -> bool {
         || kind == emitter_kind::SPOT
         || kind == emitter_kind::PROJECTOR
         || kind == emitter_kind::DIRECTIONAL
+        || kind == emitter_kind::COLLIMATED
 }
 
 /// The density of a ray that leaves an emitter.
@@ -160,7 +162,11 @@ pub fn sample(
             position: 1.0,
             direction: delta_direction_pdf(tables, emitter, direction),
         };
-        radiance = delta::intensity(tables, emitter, direction);
+        radiance = if kind == emitter_kind::COLLIMATED {
+            vec3(record.radiance.value)
+        } else {
+            delta::intensity(tables, emitter, direction)
+        };
         sample.ray = Ray::new(translation(&record.to_world), direction);
         sample.point.position = sample.ray.origin;
     } else {
@@ -291,6 +297,8 @@ fn sample_delta_direction(tables: &Tables<'_>, emitter: u32, u: Vec2) -> Vec3 {
         warp::square_to_uniform_sphere(u)
     } else if record.kind == emitter_kind::SPOT {
         warp::square_to_uniform_cone(u, cone(record.parameters[1]))
+    } else if record.kind == emitter_kind::COLLIMATED {
+        Vec3::Z
     } else {
         let (tan_x, tan_y) = (record.parameters[0], record.parameters[1]);
         Vec3::new((2.0 * u.x - 1.0) * tan_x, (2.0 * u.y - 1.0) * tan_y, 1.0)
@@ -302,6 +310,9 @@ fn delta_direction_pdf(tables: &Tables<'_>, emitter: u32, direction: Vec3) -> f3
     let record = &tables.emitters[emitter as usize];
     if record.kind == emitter_kind::POINT {
         return warp::UNIFORM_SPHERE_PDF;
+    }
+    if record.kind == emitter_kind::COLLIMATED {
+        return 1.0;
     }
     let local = transform_vector(&record.to_local, direction);
     let cos_theta = local.z / local.length();

@@ -105,7 +105,7 @@ pub fn sample_direct_with_point(
 
 /// The density of [`sample_direct`] for a given emitter, as [`DirectSample::pdf`] states it: per solid angle at `reference`
 /// for the `point` of an area light or for the `direction` in which light from infinity travels, the probability of the
-/// choice for delta lights.
+/// choice for delta lights, zero for a collimated beam.
 pub fn pdf_direct_of(
     tables: &Tables<'_>,
     emitter: u32,
@@ -118,6 +118,8 @@ pub fn pdf_direct_of(
         pdf_direct(tables, reference, point)
     } else if record.kind == emitter_kind::CONSTANT || record.kind == emitter_kind::ENVIRONMENT {
         environment::pdf(tables, emitter, -direction) * record.selection_pdf
+    } else if record.kind == emitter_kind::COLLIMATED {
+        0.0
     } else {
         record.selection_pdf
     }

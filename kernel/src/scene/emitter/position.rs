@@ -27,12 +27,23 @@ pub fn sample_position(tables: &Tables<'_>, emitter: u32, u: Vec2) -> (SurfacePo
     if record.shape == NONE {
         return (SurfacePoint::ZERO, 0.0);
     }
-    let shape = &tables.shapes[record.shape as usize];
+    let point = sample_on_shape(tables, record.shape, record.distribution, u);
+    (point, pdf_position(tables, &point))
+}
+
+/// A point of a shape, uniform over its canonical surface; `distribution` is the first word in `data` of the cumulative areas of a
+/// mesh's triangles.
+pub fn sample_on_shape(
+    tables: &Tables<'_>,
+    index: u32,
+    distribution: u32,
+    u: Vec2,
+) -> SurfacePoint {
+    let shape = &tables.shapes[index as usize];
     let is_mesh = tables.has(features::TRIANGLES)
-        && (!tables.has(features::QUADRICS) || !is_quadric(tables, record.shape));
-    let point = if is_mesh {
-        let (triangle, u_x, _) =
-            sample_cdf(tables.data, record.distribution, shape.primitive_count, u.x);
+        && (!tables.has(features::QUADRICS) || !is_quadric(tables, index));
+    if is_mesh {
+        let (triangle, u_x, _) = sample_cdf(tables.data, distribution, shape.primitive_count, u.x);
         let b = warp::square_to_triangle(Vec2::new(u_x, u.y));
         let primitive = shape.first_primitive + triangle;
         triangle_point_with::<{ detail::TANGENTS }>(tables, primitive, b.x, b.y)
@@ -47,8 +58,7 @@ pub fn sample_position(tables: &Tables<'_>, emitter: u32, u: Vec2) -> (SurfacePo
             Vec3::new(c, s, u.y)
         };
         quadric_point_with::<{ detail::TANGENTS }>(tables, shape.first_primitive, p)
-    };
-    (point, pdf_position(tables, &point))
+    }
 }
 
 /// Density per area with which [`sample_position`] chooses a point of an emitting shape, without the probability of

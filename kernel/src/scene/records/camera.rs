@@ -12,6 +12,10 @@ pub mod camera_kind {
     pub const THIN_LENS: u32 = 1;
     /// Parallel rays along +z; the film spans [-1, 1] in x of the local frame.
     pub const ORTHOGRAPHIC: u32 = 2;
+    /// All directions, on a film of longitude and latitude.
+    pub const SPHERICAL: u32 = 3;
+    /// The irradiance on `shape`, over which the film is spread.
+    pub const IRRADIANCE_METER: u32 = 4;
 }
 
 /// The sensor and its film.
@@ -50,6 +54,10 @@ pub struct Camera {
     pub filter_table: u32,
     /// Number of steps of the table over [-radius, radius]; it has twice as many words. Zero samples evenly.
     pub filter_table_size: u32,
+    /// The shape of an irradiance meter, or [`NONE`](super::NONE).
+    pub shape: u32,
+    /// First word in `data` of the cumulative areas of that shape's triangles, as of [`super::Emitter::distribution`].
+    pub shape_areas: u32,
 }
 
 impl Camera {

@@ -20,6 +20,8 @@ pub mod emitter_kind {
     pub const CONSTANT: u32 = 5;
     /// Latitude-longitude image in local frame with +y up; texture in `radiance.texture`.
     pub const ENVIRONMENT: u32 = 6;
+    /// A beam without width along +z of `to_world` from its origin: `radiance` holds its power.
+    pub const COLLIMATED: u32 = 7;
 }
 
 /// A light source.

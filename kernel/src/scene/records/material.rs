@@ -57,6 +57,8 @@ pub mod lobe_kind {
     pub const ROUGH_COAT: u32 = 13;
     /// Measured isotropic reflectance in the Rusinkiewicz parametrisation.
     pub const MERL: u32 = 14;
+    /// Measured reflectance over directions that follow the material (Dupuy and Jakob).
+    pub const MEASURED: u32 = 15;
     /// Rough diffuse reflection (Oren-Nayar).
     pub const ROUGH_DIFFUSE: u32 = 9;
     /// Conductor with reflection at the microfacets and diffraction at their finer roughness (CTD).
@@ -76,8 +78,13 @@ pub mod lobe_kind {
     pub const SCHLICK_REFLECTION: u32 = 21;
     /// Clear coat of the principled model.
     pub const CLEARCOAT: u32 = 22;
+    /// Transmission through a thin rough sheet.
+    pub const THIN_TRANSMISSION: u32 = 23;
+    /// Single scattering in a thin layer (Hanrahan and Krueger); [`super::LobeRecord::distribution`] is one of
+    /// [`crate::bsdf::hanrahan_krueger::given`].
+    pub const HANRAHAN_KRUEGER: u32 = 24;
     /// Number of values that kinds take.
-    pub const COUNT: u32 = 23;
+    pub const COUNT: u32 = 25;
 }
 
 /// Microfacet distributions.

@@ -8,7 +8,7 @@ use crate::path::{
 };
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
-use crate::scene::{Hit, NONE, Tables, camera_kind};
+use crate::scene::{Hit, NONE, Tables, camera};
 use crate::transport::photon::merging::merging_share;
 use crate::transport::settings::{IntegratorSettings, integrator_kind};
 use glam::{Vec2, Vec3};
@@ -123,7 +123,7 @@ impl<'a> Bidirectional<'a> {
     /// Numbers that choose a lens point, where the lens has more than one.
     #[inline]
     fn lens_numbers<S: Sampler>(&self, sampler: &mut S) -> Vec2 {
-        if self.connector.tables.camera.kind == camera_kind::THIN_LENS {
+        if camera::has_lens_points(&self.connector.tables.camera) {
             sampler.next_2d()
         } else {
             Vec2::ZERO

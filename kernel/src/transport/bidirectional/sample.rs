@@ -1,22 +1,22 @@
 //! One sample by itself: both walks, ray by ray.
 
 use super::algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
-use crate::math::Ray;
 use crate::path::rules::step;
 use crate::path::visibility::contribution_transmittance;
 use crate::path::{Contribution, Walk};
 use crate::sampler::Sampler;
+use crate::scene::camera::CameraSample;
 use crate::scene::{NONE, SceneView, Traverse};
 use crate::transport::settings::IntegratorSettings;
 
 /// One sample: `add` takes what each strategy finds, nothing where it lies in shadow, splats and what belongs to the pixel of
-/// `ray` ([`Contribution::is_splat`]), the latter without a film position.
+/// `seen` ([`Contribution::is_splat`]), the latter without a film position.
 pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     light_sampler: &mut S,
     camera_sampler: &mut S,
-    ray: &Ray,
+    seen: &CameraSample,
     store: &mut V,
     mut add: impl FnMut(Contribution),
 ) {
@@ -59,7 +59,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
         last,
         start: &start,
     };
-    let mut walk = Walk::from_sensor(ray);
+    let mut walk = Walk::from_sensor(seen);
     let mut next = step::TRACE;
     while next == step::TRACE {
         camera_sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));

@@ -107,26 +107,28 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
     /// F of the numbers.
     pub fn evaluate<S: PrimaryNumbers>(&self, light: &mut S, sensor: &mut S, state: &mut State) {
         state.clear();
-        let window = &self.view.tables.camera;
         let u_film = sensor.next_2d();
         let u_lens = sensor.next_2d();
+        let window = &self.view.tables.camera;
         let [x, y] = [0, 1].map(|i| {
             let (offset, size) = (window.crop_offset[i], window.crop_size[i]);
             // The sum may round to the upper end, which is outside.
             let end = offset as f32 + size as f32;
             (offset as f32 + u_film[i] * size as f32).min(end - end * f32::EPSILON)
         });
-        let film = Vec2::new(x, y);
-        let ray = camera::ray_through(window, film, u_lens);
+        let seen = camera::sample_through(&self.view.tables, Vec2::new(x, y), u_lens);
         let min_edges = self.min_edges;
         let mut add = |found: Contribution| {
             if found.s + found.t > min_edges {
-                let at = if found.is_splat() { found.film } else { film };
-                state.add(at, found.value);
+                if found.is_splat() {
+                    state.add(found.film, found.value);
+                } else {
+                    state.add(seen.film, found.value * seen.weight);
+                }
             }
         };
         if self.technique == technique::PATH {
-            self.path(sensor, Path::new(&ray), &mut add);
+            self.path(sensor, Path::new(&seen.ray), &mut add);
         } else if self.technique == technique::BIDIRECTIONAL {
             let mut store = Vertices::default();
             sample(
@@ -134,12 +136,12 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
                 self.settings,
                 light,
                 sensor,
-                &ray,
+                &seen,
                 &mut store,
                 &mut add,
             );
         } else {
-            self.one_strategy(light, sensor, Walk::from_sensor(&ray), &mut add);
+            self.one_strategy(light, sensor, Walk::from_sensor(&seen), &mut add);
         }
     }
 

@@ -9,8 +9,8 @@ use super::segment::Segment;
 use crate::math::distribution::guided_range;
 use crate::math::filter::{Interval, is_uniform, sample_uniform};
 use crate::sampler::LaneSampler;
-use crate::scene::Tables;
-use crate::scene::camera::{Support, ray_through};
+use crate::scene::camera::{Support, projective_ray};
+use crate::scene::{Tables, camera_kind, irradiance_meter, spherical_camera};
 use crate::simd::{SimdLevel, multiversioned};
 use crate::transport::path::Path;
 use bytemuck::Zeroable;
@@ -44,7 +44,43 @@ impl<const N: usize> FilmLanes<N> {
         draw_numbers::<S, N>(simd, segment, paths, &mut self.numbers, &mut self.weight);
         self.sample_axis::<0>(simd, tables, segment, searches);
         self.sample_axis::<1>(simd, tables, segment, searches);
-        generate_rays(simd, tables, segment, &self.film, &self.numbers, paths);
+        match tables.camera.kind {
+            camera_kind::SPHERICAL => self.generate_spherical_rays(tables, segment, paths),
+            camera_kind::IRRADIANCE_METER => self.generate_meter_rays(tables, segment, paths),
+            _ => generate_rays(simd, tables, segment, &self.film, &self.numbers, paths),
+        }
+    }
+
+    /// Rays of a panoramic camera, one after the other.
+    fn generate_spherical_rays(
+        &self,
+        tables: &Tables<'_>,
+        segment: Segment,
+        paths: &mut PathLanes<N>,
+    ) {
+        for k in segment.padded::<N>() {
+            let film = Vec2::new(self.film[0][k], self.film[1][k]);
+            let ray = spherical_camera::ray(&tables.camera, film);
+            paths.set(k, &Path::new(&ray));
+            paths.index[k] = k as u32;
+        }
+    }
+
+    /// Rays of a meter, one after the other.
+    fn generate_meter_rays(
+        &mut self,
+        tables: &Tables<'_>,
+        segment: Segment,
+        paths: &mut PathLanes<N>,
+    ) {
+        for k in segment.padded::<N>() {
+            let film = Vec2::new(self.film[0][k], self.film[1][k]);
+            let direction = Vec2::new(self.numbers[2][k], self.numbers[3][k]);
+            let (ray, _) = irradiance_meter::ray(tables, film, direction);
+            self.weight[k] *= irradiance_meter::RESPONSE;
+            paths.set(k, &Path::new(&ray));
+            paths.index[k] = k as u32;
+        }
     }
 
     /// Samples the film positions along an axis.
@@ -171,7 +207,7 @@ multiversioned! {
         for k in segment.padded::<N>() {
             let film = Vec2::new(film[0][k], film[1][k]);
             let lens = Vec2::new(numbers[2][k], numbers[3][k]);
-            let ray = ray_through(&tables.camera, film, lens);
+            let ray = projective_ray(&tables.camera, film, lens);
             paths.set(k, &Path::new(&ray));
             paths.index[k] = k as u32;
         }

@@ -34,6 +34,8 @@ pub(super) struct Builder {
     pub groups: HashMap<usize, u32>,
     /// Tables of rough transmittance by distribution, whether a texture gives the roughness, its bits, and the index's.
     pub transmittance_tables: HashMap<(u32, bool, u32, u32), TransmittanceTable>,
+    /// The object of the irradiance meter that is the sensor, by its index.
+    pub meter: Option<usize>,
 }
 
 impl Builder {
@@ -75,6 +77,7 @@ impl Builder {
             bitmaps: HashMap::new(),
             groups: HashMap::new(),
             transmittance_tables: HashMap::new(),
+            meter: None,
         }
     }
 }

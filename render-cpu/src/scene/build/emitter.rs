@@ -31,6 +31,7 @@ impl Builder {
                 "spot" => self.add_spot(object)?,
                 "projector" => self.add_projector(object)?,
                 "directional" => self.add_directional(object)?,
+                "collimated" => self.add_collimated(object)?,
                 "constant" => self.add_constant(object)?,
                 "envmap" => self.add_environment(object)?,
                 "sky" | "sun" | "sunsky" => self.add_daylight(object)?,
@@ -160,6 +161,16 @@ impl Builder {
             }
             None => object.get_transform("to_world")?,
         };
+        self.set_transform(object, &mut record, to_world)?;
+        self.tables.emitters.push(record);
+        Ok(())
+    }
+
+    fn add_collimated(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
+        let mut record = empty(emitter_kind::COLLIMATED);
+        let power = self.rgb_parameter(object, "power", ColorUse::Emission, [1.0; 3], None)?;
+        record.radiance = RgbParameter::constant(expect_constant(object, "power", power)?);
+        let to_world = object.get_transform("to_world")?;
         self.set_transform(object, &mut record, to_world)?;
         self.tables.emitters.push(record);
         Ok(())

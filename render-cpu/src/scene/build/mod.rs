@@ -4,6 +4,7 @@
 //! reports unsupported input by an error or a warning. Objects that several others refer to are built once.
 
 mod builder;
+mod capabilities;
 mod chain_settings;
 mod daylight;
 mod emitter;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 
 use builder::Builder;
 pub use options::{BuildOptions, Crop, FilmOverride};
+pub use sensor::all as all_sensors;
 
 /// A scene that is ready to be rendered.
 #[derive(Clone, Debug)]
@@ -64,9 +66,12 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     let sensor = sensor::build(root, options)?;
     let integrator = integrator::build(root, options)?;
     let mut builder = Builder::new(sensor.camera);
+    builder.meter = sensor.meter;
     sensor::fill_filter_table(&mut builder.tables);
     builder.add_shapes(root)?;
     builder.add_emitters(root)?;
+    builder.check_sensor(root)?;
+    builder.check_algorithm(root, &integrator)?;
     builder.finish(root)?;
     if let Some((what, most)) = builder.tables.view().oversized() {
         return Err(root.error(format!("the scene has more than {most} {what}")));

@@ -5,11 +5,11 @@ use super::options::BuildOptions;
 use crate::scene::error::SceneError;
 use crate::scene::tables::SceneTables;
 use crate::scene::transform;
-use crate::scene::xml::{Object, ObjectKind};
+use crate::scene::xml::{Object, ObjectKind, Value};
 use halflight_kernel::math::filter;
 use halflight_kernel::sampler::sampler_kind;
 use halflight_kernel::scene::camera::{fov_axis, half_extents};
-use halflight_kernel::scene::{Camera, camera_kind};
+use halflight_kernel::scene::{Camera, NONE, camera_kind};
 use std::sync::Arc;
 
 /// The camera record, and the sampler that is part of the sensor.
@@ -19,18 +19,42 @@ pub(super) struct Sensor {
     pub sampler_name: String,
     pub spp: u32,
     pub seed: u32,
+    /// The object of an irradiance meter, by its index: its shape is not built yet.
+    pub meter: Option<usize>,
+}
+
+/// All sensors in the order of the file, those of shapes with them, and whether they belong to a shape.
+pub fn all(root: &Object) -> Vec<(Arc<Object>, bool)> {
+    root.children_of(ObjectKind::Sensor).for_each(drop);
+    let mut sensors = Vec::new();
+    for child in root.children() {
+        if child.object.kind == ObjectKind::Sensor {
+            sensors.push((child.object.clone(), false));
+        } else if child.object.kind == ObjectKind::Shape {
+            // Without a mark: shapes are built later, or not at all.
+            let nested = child
+                .object
+                .properties
+                .iter()
+                .filter_map(|p| match &p.value {
+                    Value::Object(object) if object.kind == ObjectKind::Sensor => {
+                        Some(object.clone())
+                    }
+                    _ => None,
+                });
+            sensors.extend(nested.map(|object| (object, true)));
+        }
+    }
+    sensors
 }
 
 /// Builds the chosen sensor.
 pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, SceneError> {
-    let sensors: Vec<Arc<Object>> = root
-        .children_of(ObjectKind::Sensor)
-        .map(|child| child.object.clone())
-        .collect();
+    let sensors = all(root);
     if sensors.is_empty() {
         return Err(root.error("the scene has no sensor"));
     }
-    let sensor = sensors.get(options.sensor).ok_or_else(|| {
+    let (sensor, is_nested) = sensors.get(options.sensor).ok_or_else(|| {
         SceneError::Request(format!(
             "there is no sensor {}; the scene has {}",
             options.sensor,
@@ -55,21 +79,36 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
     };
     let (rows, inverse) = transform::rows_and_inverse(&to_world)
         .map_err(|e| sensor.property_error("to_world", e.to_string()))?;
+    let is_irradiance = sensor.plugin == "irradiancemeter";
+    if is_irradiance != *is_nested {
+        return Err(sensor.error(if is_irradiance {
+            "an irradiance meter needs a shape around it"
+        } else {
+            "only an irradiance meter can be part of a shape"
+        }));
+    }
     let kind = match sensor.plugin.as_str() {
         "perspective" => camera_kind::PERSPECTIVE,
         "thinlens" => camera_kind::THIN_LENS,
         "orthographic" => camera_kind::ORTHOGRAPHIC,
         // All its rays are one: those of a film without a size.
         "radiancemeter" => camera_kind::ORTHOGRAPHIC,
+        "irradiancemeter" => camera_kind::IRRADIANCE_METER,
+        // Its name in Mitsuba 0.6 and those of others.
+        "spherical" | "equirectangular" | "panoramic" | "environment" => camera_kind::SPHERICAL,
         other => {
             return Err(sensor.error(format!(
-                "sensors of type \"{other}\" are not supported; known are perspective, thinlens, orthographic and radiancemeter"
+                "sensors of type \"{other}\" are not supported; known are perspective, thinlens, orthographic, spherical, radiancemeter and irradiancemeter"
             )));
         }
     };
+    if kind == camera_kind::SPHERICAL && !transform::keeps_angles(&to_world) {
+        return Err(sensor.property_error("to_world", "must not stretch a panoramic camera"));
+    }
     let [width, height] = film.size;
-    let is_meter = sensor.plugin == "radiancemeter";
-    let (tan_half_width, tan_half_height) = if is_meter {
+    // All directions, or none.
+    let has_view = kind <= camera_kind::ORTHOGRAPHIC && sensor.plugin != "radiancemeter";
+    let (tan_half_width, tan_half_height) = if !has_view {
         (0.0, 0.0)
     } else if kind == camera_kind::ORTHOGRAPHIC {
         (1.0, height as f32 / width as f32)
@@ -83,11 +122,11 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
             tan_half_width * height as f32 / width as f32,
         )
     };
-    // A meter has no clipping planes.
-    let (nearest, farthest) = if is_meter {
-        (0.0, f64::from(f32::MAX))
-    } else {
+    // Meters and panoramas have no clipping planes.
+    let (nearest, farthest) = if has_view {
         (1e-2, 1e4)
+    } else {
+        (0.0, f64::from(f32::MAX))
     };
     // Nothing moves while the shutter is open.
     for name in ["shutter_open", "shutter_close"] {
@@ -120,6 +159,8 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
         filter_parameters,
         filter_table: 0,
         filter_table_size: 0,
+        shape: NONE,
+        shape_areas: NONE,
     };
     let (sampler, sampler_name, spp, seed) = read_sampler(sensor, options)?;
     Ok(Sensor {
@@ -128,6 +169,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
         sampler_name,
         spp,
         seed,
+        meter: is_irradiance.then_some(sensor.index),
     })
 }
 

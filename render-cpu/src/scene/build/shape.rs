@@ -14,6 +14,7 @@ use crate::scene::error::SceneError;
 use crate::scene::transform::{self, TransformError};
 use crate::scene::xml::{Object, ObjectKind};
 use glam::DMat4;
+use halflight_kernel::scene::emitter::fill_shape_areas;
 use halflight_kernel::scene::{
     Instance, NONE, Quadric, Shape, Triangle, emitter_kind, material_flag, quadric_kind,
     scene_flag, shape_flag,
@@ -295,6 +296,11 @@ impl Builder {
         in_world: bool,
     ) -> Result<(), SceneError> {
         let emission = object.single_child_of(ObjectKind::Emitter)?.cloned();
+        let meters = object.children_of(ObjectKind::Sensor);
+        let is_meter = meters
+            .filter(|m| Some(m.object.index) == self.meter)
+            .count()
+            > 0;
         shape.material = match surfaces::is_index_matched(object, bsdf.as_ref())? {
             true => self.null_material(),
             false => self.material(bsdf.as_ref(), emission.is_some(), attributes)?,
@@ -320,6 +326,33 @@ impl Builder {
         } else {
             self.tables.shapes.push(shape);
         }
+        if is_meter {
+            self.measure_irradiance_on(object, index, in_world)?;
+        }
+        Ok(())
+    }
+
+    /// Makes a shape, which is in the table already, the surface of the sensor.
+    fn measure_irradiance_on(
+        &mut self,
+        object: &Object,
+        shape: u32,
+        in_world: bool,
+    ) -> Result<(), SceneError> {
+        if !in_world {
+            return Err(object.error("a shape in a group cannot be an irradiance meter"));
+        }
+        if self.tables.camera.shape != NONE {
+            return object.warn("only the first of its parts is the irradiance meter");
+        }
+        let count = self.tables.shapes[shape as usize].primitive_count as usize;
+        let mut areas = vec![0.0; count];
+        if !(fill_shape_areas(&self.tables.view(), shape, &mut areas) > 0.0) {
+            return Err(object.error("an irradiance meter needs an area"));
+        }
+        self.tables.camera.shape = shape;
+        self.tables.camera.shape_areas = self.tables.data.len() as u32;
+        self.tables.data.extend_from_slice(&areas);
         Ok(())
     }
 }

@@ -32,6 +32,8 @@ impl PendingLobe {
                 | lobe_kind::THIN_DIELECTRIC
                 | lobe_kind::ROUGH_DIELECTRIC
                 | lobe_kind::DIFFUSE_TRANSMISSION
+                | lobe_kind::THIN_TRANSMISSION
+                | lobe_kind::HANRAHAN_KRUEGER
                 | lobe_kind::NULL
         )
     }

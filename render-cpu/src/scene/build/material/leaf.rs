@@ -3,6 +3,7 @@
 use super::parameters::{empty_lobe, relative_index};
 use crate::bytes::read_file;
 use crate::measured::merl::{self, Merl};
+use crate::measured::rgl::{self, Rgl};
 use crate::scene::build::builder::Builder;
 use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
@@ -86,10 +87,15 @@ impl Builder {
                 lobe.kind = lobe_kind::MERL;
                 lobe.table = self.measured(object)?;
             }
+            "measured" => {
+                lobe.kind = lobe_kind::MEASURED;
+                lobe.table = self.measured_adaptively(object)?;
+            }
             "difftrans" => {
                 lobe.kind = lobe_kind::DIFFUSE_TRANSMISSION;
                 lobe.specular_transmittance = color(self, "transmittance", 0.5)?;
             }
+            "hk" => lobe = self.scattering_layer(object, mesh)?,
             "null" => lobe.kind = lobe_kind::NULL,
             other => {
                 object.warn(format!(
@@ -99,6 +105,20 @@ impl Builder {
             }
         }
         Ok(lobe)
+    }
+
+    /// Loads the material of the RGL database in the file `filename`; returns its offset in the data table.
+    fn measured_adaptively(&mut self, object: &Object) -> Result<u32, SceneError> {
+        let path = object.require_file("filename")?;
+        let wrong =
+            |what: String| object.property_error("filename", format!("{}: {what}", path.display()));
+        let measured = object.kept_files().get(&path, 1, || {
+            let bytes = read_file(&path, rgl::MAX_BYTES).map_err(|e| wrong(e.to_string()))?;
+            Rgl::read(&bytes).map_err(|e| wrong(e.to_string()))
+        })?;
+        let first = self.tables.data.len() as u32;
+        self.tables.data.extend_from_slice(&measured.table());
+        Ok(first)
     }
 
     /// Loads the measured reflectance in the file `filename`; returns its offset in the data table.

@@ -11,6 +11,8 @@ mod layered;
 mod leaf;
 mod parameters;
 mod principled;
+mod principled_thin;
+mod scattering_layer;
 
 use super::builder::Builder;
 use super::texture::MeshAttributes;
@@ -200,6 +202,7 @@ impl Builder {
             }
             "phong" | "ward" => self.glossy(object, &context, lobes)?,
             "principled" => self.principled(object, &context, lobes)?,
+            "principledthin" => self.principled_thin(object, &context, lobes)?,
             "coating" | "roughcoating" => self.coating(object, &context, inner, lobes)?,
             "normalmap" | "bumpmap" => {
                 let nested = nested_bsdfs(object, 1, 1)?;

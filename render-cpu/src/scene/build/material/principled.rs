@@ -16,6 +16,7 @@
 use super::context::{Context, PendingLobe};
 use super::parameters::empty_lobe;
 use crate::scene::build::builder::Builder;
+use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
@@ -27,7 +28,7 @@ use halflight_kernel::scene::{
 use std::sync::Arc;
 
 /// A factor of a lobe's weight, or nothing where it is one.
-fn factor(parameter: ScalarParameter, complement: bool) -> Option<WeightFactor> {
+pub(super) fn factor(parameter: ScalarParameter, complement: bool) -> Option<WeightFactor> {
     let neutral = if complement { 0.0 } else { 1.0 };
     let is_neutral = parameter.texture == NONE && parameter.value == neutral;
     (!is_neutral).then_some(WeightFactor {
@@ -36,8 +37,24 @@ fn factor(parameter: ScalarParameter, complement: bool) -> Option<WeightFactor> 
     })
 }
 
-fn is_constant(parameter: &ScalarParameter, value: f32) -> bool {
+/// Whether a parameter has a value everywhere.
+pub(super) fn is_constant(parameter: &ScalarParameter, value: f32) -> bool {
     parameter.texture == NONE && parameter.value == value
+}
+
+/// A parameter between 0 and 1.
+pub(super) fn unit_parameter(
+    builder: &mut Builder,
+    object: &Object,
+    name: &str,
+    default: f64,
+    mesh: Option<&MeshAttributes>,
+) -> Result<ScalarParameter, SceneError> {
+    let parameter = builder.scalar_parameter(object, name, default, mesh)?;
+    if parameter.texture == NONE && !(0.0..=1.0).contains(&parameter.value) {
+        return Err(object.property_error(name, "is not within [0, 1]"));
+    }
+    Ok(parameter)
 }
 
 impl Builder {
@@ -50,11 +67,7 @@ impl Builder {
     ) -> Result<(), SceneError> {
         let mesh = context.mesh;
         let unit = |builder: &mut Builder, name: &str, default: f64| {
-            let parameter = builder.scalar_parameter(object, name, default, mesh)?;
-            if parameter.texture == NONE && !(0.0..=1.0).contains(&parameter.value) {
-                return Err(object.property_error(name, "is not within [0, 1]"));
-            }
-            Ok(parameter)
+            unit_parameter(builder, object, name, default, mesh)
         };
         let base_color =
             self.rgb_parameter(object, "base_color", ColorUse::Reflectance, [0.5; 3], mesh)?;
@@ -148,7 +161,7 @@ impl Builder {
 }
 
 /// A number in every channel; its texture counts by its colour.
-fn of_scalar(parameter: ScalarParameter) -> RgbParameter {
+pub(super) fn of_scalar(parameter: ScalarParameter) -> RgbParameter {
     RgbParameter {
         value: [parameter.value; 3],
         texture: parameter.texture,

@@ -55,7 +55,7 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     match cli.command {
-        Command::Render(args) => match &args.estimator.strategy_sheet {
+        Command::Render(args) => match &args.sheet.strategy_sheet {
             Some(sheet) => strategy_sheet::run(&args, sheet, cli.verbosity.quiet),
             None => render::run(&args, cli.verbosity.quiet),
         },

@@ -5,7 +5,6 @@ use super::photon_args::PhotonArgs;
 use crate::render::{Shape, shape};
 use crate::scene::build::Scene;
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
 
 /// How strategies are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -25,22 +24,9 @@ pub struct EstimatorArgs {
     /// Only what bdpt finds with S vertices from the light and T from the sensor (bdpt); "*" stands for any number.
     #[arg(help_heading = "Algorithm", long, value_name = "S,T", value_parser = parse_strategy, group = "shown_strategies")]
     pub strategies: Option<[Option<u32>; 2]>,
-    /// Without weights, each strategy as if it were alone; with --strategies or --strategy-sheet.
+    /// Without weights, each strategy as if it were alone; with --strategies or a sheet of all of them.
     #[arg(help_heading = "Algorithm", long, requires = "shown_strategies")]
     pub unweighted: bool,
-    /// Instead of the image, one picture with the images of all strategies of bdpt, by path length and light vertices.
-    #[arg(help_heading = "Algorithm", long, value_name = "OUT.png", group = "shown_strategies",
-        conflicts_with_all = ["output", "samples", "adaptive", "aov", "checkpoint", "resume", "half", "no_png"])]
-    pub strategy_sheet: Option<PathBuf>,
-    /// Most edges of the paths on the strategy sheet; no more than max_depth.
-    #[arg(
-        help_heading = "Algorithm",
-        long,
-        value_name = "N",
-        default_value_t = 6,
-        requires = "strategy_sheet"
-    )]
-    pub sheet_length: u32,
     /// Of photon mapping.
     #[command(flatten)]
     pub photons: PhotonArgs,

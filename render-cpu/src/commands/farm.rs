@@ -1,13 +1,17 @@
 //! `halflight farm`: one image on many machines.
 
+use super::estimator_args::EstimatorArgs;
 use super::interrupt;
+use super::look_args::LookArgs;
 use super::output_file;
 use super::render_values::{parse_aov, parse_duration};
 use super::scene_args::SceneArgs;
 use crate::farm::FarmError;
 use crate::farm::folder::Folder;
 use crate::farm::merge::{merge_all, merge_node};
-use crate::farm::plan::{Division, FAN_IN, Plan, PlannedScene, Request};
+use crate::farm::plan::{
+    Division, FAN_IN, Plan, PlannedLook, PlannedScene, Request, settings_words,
+};
 use crate::farm::ranges::ranges;
 use crate::farm::slurm::{self, EXIT_AGAIN, SlurmOptions};
 use crate::farm::status::{Status, TaskState};
@@ -52,6 +56,10 @@ enum FarmCommand {
 struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    estimator: EstimatorArgs,
+    #[command(flatten)]
+    look: LookArgs,
     /// Image to write.
     #[arg(short, long, value_name = "OUT.exr")]
     output: PathBuf,
@@ -191,7 +199,8 @@ impl PlanArgs {
             )));
         }
         let scene = &self.scene;
-        let planned = PlannedScene {
+        let look = &self.look;
+        let mut planned = PlannedScene {
             file: absolute(&scene.scene)?,
             defines: scene.defines.clone(),
             size: scene.size,
@@ -204,12 +213,28 @@ impl PlanArgs {
             sampler: scene.sampler.clone(),
             sensor: scene.sensor,
             strict: scene.strict,
+            settings: None,
+            look: PlannedLook {
+                clamp: look.clamp,
+                half: look.half,
+                no_png: look.no_png,
+                exposure: look.exposure,
+                owner: look.owner.clone(),
+            },
         };
         output_file::check(&self.output, &["exr"], [self.scene.scene.as_path()])
             .map_err(FarmError::Request)?;
         let output = absolute(&self.output)?;
-        let plan = Plan::new(
+        let mut built = planned.load()?;
+        let before = settings_words(&built.settings);
+        self.estimator
+            .apply(&mut built)
+            .map_err(FarmError::Request)?;
+        let after = settings_words(&built.settings);
+        planned.settings = (before != after).then_some(after);
+        let plan = Plan::of(
             planned,
+            &built,
             &Request {
                 output: output.clone(),
                 tasks: self.tasks,

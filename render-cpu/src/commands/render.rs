@@ -68,7 +68,7 @@ pub fn run_with(
 ) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let output = args.output_path()?;
     set_threads(args.threads)?;
-    if args.estimator.strategy_sheet.is_some() {
+    if args.sheet.strategy_sheet.is_some() {
         return Err("--strategy-sheet is drawn by the processor: use halflight render".into());
     }
     let start = Instant::now();

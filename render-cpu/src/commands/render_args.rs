@@ -1,12 +1,11 @@
 //! The arguments of `halflight render`.
 
 use super::estimator_args::EstimatorArgs;
-use super::render_values::{
-    parse_aov, parse_duration, parse_exposure, parse_positive, parse_range,
-};
+use super::look_args::LookArgs;
+use super::render_values::{parse_aov, parse_duration, parse_range};
 use super::scene_args::SceneArgs;
+use super::sheet_args::SheetArgs;
 use crate::film::aov::{Aov, AovSet};
-use crate::image::png_output::Exposure;
 use crate::render::{Goal, RenderOptions, own_layers};
 use crate::scene::build::Scene;
 use clap::Args;
@@ -22,6 +21,9 @@ pub struct RenderArgs {
     /// The algorithm's own.
     #[command(flatten)]
     pub estimator: EstimatorArgs,
+    /// A sheet of all strategies.
+    #[command(flatten)]
+    pub sheet: SheetArgs,
     /// Image to write, by its name an OpenEXR, PFM, Radiance, PNG or JPEG file; a PNG goes beside the first three. Default: the scene's name with .exr, in the working
     /// directory.
     #[arg(help_heading = "Image", short, long, value_name = "FILE")]
@@ -59,21 +61,9 @@ pub struct RenderArgs {
     /// Write a tone-mapped PNG beside the EXR (the default).
     #[arg(help_heading = "Image", long, overrides_with = "no_png")]
     pub png: bool,
-    /// Write no PNG.
-    #[arg(help_heading = "Image", long)]
-    pub no_png: bool,
-    /// Exposure of the PNG in stops, or "auto".
-    #[arg(help_heading = "Image", long, value_name = "EV", default_value = "0", value_parser = parse_exposure, allow_hyphen_values = true)]
-    pub exposure: Exposure,
-    /// Name of the image's owner, for its metadata.
-    #[arg(
-        help_heading = "Image",
-        long,
-        value_name = "NAME",
-        default_value = "",
-        hide_default_value = true
-    )]
-    pub owner: String,
+    /// How the image is written.
+    #[command(flatten)]
+    pub look: LookArgs,
     /// Rewrite the PNG while the image is rendered.
     #[arg(help_heading = "Image", long, conflicts_with = "no_png")]
     pub live: bool,
@@ -83,12 +73,6 @@ pub struct RenderArgs {
     /// Print JSON with what the run took, at its end.
     #[arg(help_heading = "Image", long)]
     pub json: bool,
-    /// Bring the largest component of every sample down to VALUE: fewer fireflies, and a bias towards darkness.
-    #[arg(help_heading = "Samples", long, value_name = "VALUE", value_parser = parse_positive)]
-    pub clamp: Option<f32>,
-    /// Write colours as 16-bit floats.
-    #[arg(help_heading = "Image", long)]
-    pub half: bool,
 }
 
 impl RenderArgs {

@@ -3,18 +3,17 @@
 use super::output_file;
 use super::preview::{LivePng, Previews, TevPreview};
 use super::render_args::RenderArgs;
-use super::render_state::CLAMP;
 use crate::atomic_file::WriteError;
 use crate::film::Film;
 use crate::film::aov::Aov;
 use crate::film::chain_counts::describe;
-use crate::image::camera_attributes::{world_to_camera, world_to_ndc};
+use crate::image::camera_attributes::CameraAttributes;
 use crate::image::exr_output::{LayeredImage, write_exr};
 use crate::image::picture::Picture;
 use crate::image::picture_output::{EXTENSIONS, ImageFormat, write_picture};
 use crate::image::png_output::{Look, write_png};
 use crate::image::window::Window;
-use crate::render::record::image_metadata;
+use crate::render::record::{CLAMP, image_metadata};
 use crate::render::{MutationsPerPixel, RenderOptions, RunState};
 use crate::say::note;
 use crate::scene::build::Scene;
@@ -124,10 +123,9 @@ impl RenderArgs {
         let camera = &scene.tables.camera;
         if format == ImageFormat::Exr {
             let mut metadata = image_metadata(&self.scene.scene, scene, film, options, state);
-            metadata.owner.clone_from(&self.owner);
-            metadata.world_to_camera = Some(world_to_camera(camera));
-            metadata.world_to_ndc = Some(world_to_ndc(camera));
-            if let Some(clamp) = self.clamp {
+            metadata.owner.clone_from(&self.look.owner);
+            metadata.camera = CameraAttributes::of(camera);
+            if let Some(clamp) = self.look.clamp {
                 let value = clamp.to_string();
                 metadata.settings.insert(CLAMP.to_owned(), value);
             }
@@ -135,7 +133,7 @@ impl RenderArgs {
                 metadata.samples_per_pixel = film.even_samples();
             }
             let image = LayeredImage::from_film(film, camera.film_size, metadata);
-            write_exr(output, &image, self.half)?;
+            write_exr(output, &image, self.look.half)?;
         } else {
             let picture = Picture {
                 window: Window {
@@ -147,7 +145,7 @@ impl RenderArgs {
                 pixels: film.mean().iter().map(|p| p.map(|v| v as f32)).collect(),
             };
             let look = Look {
-                exposure: self.exposure,
+                exposure: self.look.exposure,
                 ..Look::default()
             };
             write_picture(output, format, &picture, look)?;
@@ -165,7 +163,7 @@ impl RenderArgs {
                 film.width(),
                 film.height(),
                 &film.mean(),
-                self.exposure,
+                self.look.exposure,
             )?;
             tracing::info!("wrote {}", png.display());
         }
@@ -182,13 +180,13 @@ impl RenderArgs {
         let png = output.with_extension("png");
         Ok(Previews {
             tev: self.tev.as_ref().map(connect).transpose()?,
-            png: self.live.then(|| LivePng::new(png, self.exposure)),
+            png: self.live.then(|| LivePng::new(png, self.look.exposure)),
         })
     }
 
     /// Whether a PNG goes beside an image: where that is none to look at.
     pub(super) fn writes_png(&self, output: &Path) -> bool {
-        !self.no_png && ImageFormat::of_file(output).is_none_or(ImageFormat::is_linear)
+        !self.look.no_png && ImageFormat::of_file(output).is_none_or(ImageFormat::is_linear)
     }
 
     /// The last line of a run: where the image is and what it took.

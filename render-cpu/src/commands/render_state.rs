@@ -3,16 +3,13 @@
 use super::render_args::RenderArgs;
 use crate::film::checkpoint::{CheckpointError, load_checkpoint};
 use crate::film::{Film, FilmError};
-use crate::render::record::run_settings;
+use crate::render::record::{CLAMP, run_settings};
 use crate::render::{CheckpointFile, Goal, RenderOptions, RunState};
 use crate::say::note;
 use crate::scene::build::Scene;
 use std::error::Error;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-
-/// Name of the setting that says what samples are brought down to.
-pub(super) const CLAMP: &str = "clamp";
 
 impl RenderArgs {
     /// The film and its state, and the file that the state is saved to, if any. A checkpoint that is there is gone on from or
@@ -28,7 +25,7 @@ impl RenderArgs {
         let camera = &scene.tables.camera;
         let [width, height] = camera.crop_size;
         let layers = self.layers(scene);
-        let clamp = self.clamp.unwrap_or(f32::INFINITY);
+        let clamp = self.look.clamp.unwrap_or(f32::INFINITY);
         let empty = || {
             let mut film = Film::new(width, height, camera.crop_offset, layers)?;
             film.set_clamp(clamp);
@@ -39,7 +36,7 @@ impl RenderArgs {
         };
         // Only checkpoints hold them, and the tables of a large scene take a while to read.
         let mut settings = run_settings(&self.scene.scene, scene, options, layers);
-        if let Some(clamp) = self.clamp {
+        if let Some(clamp) = self.look.clamp {
             settings.insert(CLAMP.to_owned(), clamp.to_string());
         }
         let (film, state) = match from {

@@ -39,7 +39,7 @@ pub fn run(
     set_threads(args.threads)?;
     let name = output.display();
     output_file::check(output, &["png"], [args.scene.scene.as_path()])?;
-    if args.estimator.sheet_length == 0 {
+    if args.sheet.sheet_length == 0 {
         return Err("--sheet-length: a path has at least one edge".into());
     }
     let mut scene = args.scene.load()?;
@@ -54,7 +54,7 @@ pub fn run(
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
-    let pyramid = StrategyPyramid::new(&scene, args.estimator.sheet_length);
+    let pyramid = StrategyPyramid::new(&scene, args.sheet.sheet_length);
     if pyramid.length == 0 {
         return Err("the scene's max_depth leaves no path to show".into());
     }

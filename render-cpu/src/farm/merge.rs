@@ -19,7 +19,7 @@ use crate::film::aov::Aov;
 use crate::film::checkpoint::{Progress, save_checkpoint};
 use crate::image::exr_output::{LayeredImage, write_exr};
 use crate::image::metadata::ImageMetadata;
-use crate::image::png_output::{Exposure, write_png};
+use crate::image::png_output::write_png;
 use crate::render::record::{FIRST_SAMPLE, SEED, identity, scene_name};
 use std::ops::Range;
 
@@ -188,23 +188,29 @@ fn write_image(plan: &Plan, progress: &Progress, film: &Film) -> Result<(), Farm
         integrator: plan.integrator.clone(),
         sampler: plan.sampler.clone(),
         software: concat!("halflight ", env!("CARGO_PKG_VERSION")).to_string(),
-        spp: film.total_samples() as f64 / film.statistics().len() as f64,
+        spp: film.total_samples() as f64 / film.statistics().len() as f64 * f64::from(plan.unit),
         sample_ranges: plan.ranges(),
         render_seconds: progress.render_seconds,
         scene_digest,
         settings,
         samples_per_pixel: film.even_samples().filter(|_| !wants_counts),
+        owner: plan.scene.look.owner.clone(),
+        camera: plan.camera,
         ..ImageMetadata::default()
     };
     let image = LayeredImage::from_film(film, plan.full_size, metadata);
-    write_exr(&plan.output, &image, false)?;
+    let look = &plan.scene.look;
+    write_exr(&plan.output, &image, look.half)?;
+    if look.no_png {
+        return Ok(());
+    }
     let png = plan.output.with_extension("png");
     write_png(
         &png,
         film.width(),
         film.height(),
         &film.mean(),
-        Exposure::default(),
+        look.exposure,
     )?;
     Ok(())
 }

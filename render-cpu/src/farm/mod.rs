@@ -28,6 +28,7 @@ mod error;
 pub mod folder;
 pub mod merge;
 pub mod plan;
+mod planned_scene;
 pub mod ranges;
 pub mod record;
 pub mod slurm;

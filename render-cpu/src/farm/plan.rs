@@ -2,23 +2,24 @@
 //!
 //! Three divisions:
 //! - by *samples*, task i of N takes the samples `floor(i S / N)` to `floor((i + 1) S / N)` of every pixel. All together are
-//!   those of one run; means of its film round differently in the last bits of f64, see [`super`];
+//!   those of one run; means of its film round differently in the last bits of f64, see [`super`]. Of algorithms with passes over
+//!   photons a sample is a pass, of Markov chains a group of chains;
 //! - by *pixels*, task i takes all samples of the tiles i, i + N, i + 2 N ..., so that no pixel's samples are ever summed in
 //!   two places, and the image is that of one run to the last bit. Not for algorithms whose samples splat on other pixels;
-//! - by *seeds*, each task takes as many samples with a seed of its own, for algorithms whose samples are not independent
-//!   (Markov chains) and for sequences that are better not divided (Sobol').
+//! - by *seeds*, each task takes as many samples with a seed of its own, for sequences that are better not divided (Sobol').
 //!
 //! The plan holds the settings of the run as a checkpoint does. Every task compares them with those of the scene that it has
 //! loaded: a scene that was edited in between, or another version of the program, is refused.
 
 use super::error::FarmError;
+pub use super::planned_scene::{PlannedLook, PlannedScene, settings_words};
 use crate::film::aov::{Aov, AovSet};
 use crate::film::checkpoint::{Settings, settings_differences};
+use crate::image::camera_attributes::CameraAttributes;
 use crate::image::metadata::SampleRange;
-use crate::render::record::{FIRST_SAMPLE, SEED, run_settings, sampler_name};
-use crate::render::{Goal, RenderOptions, Shape, own_layers, shape};
-use crate::scene::build::{BuildOptions, Crop, FilmOverride, Scene, build_scene};
-use crate::scene::xml::parse_scene;
+use crate::render::record::{CLAMP, FIRST_SAMPLE, SEED, run_settings, sampler_name};
+use crate::render::{Goal, MutationsPerPixel, RenderOptions, Shape, own_layers, shape};
+use crate::scene::build::Scene;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -40,29 +41,6 @@ pub enum Division {
     Pixels,
     /// A seed for each task.
     Seeds,
-}
-
-/// A scene file and what is changed about it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PlannedScene {
-    /// The file.
-    pub file: PathBuf,
-    /// Values of `$name`.
-    pub defines: Vec<(String, String)>,
-    /// Size of the image.
-    pub size: Option<[u32; 2]>,
-    /// Width of the image.
-    pub width: Option<u32>,
-    /// Part of the image: left, top, width, height.
-    pub crop: Option<[u32; 4]>,
-    /// Algorithm instead of the scene's.
-    pub integrator: Option<String>,
-    /// Random numbers instead of the scene's.
-    pub sampler: Option<String>,
-    /// Which of several sensors.
-    pub sensor: usize,
-    /// Whether warnings are errors.
-    pub strict: bool,
 }
 
 /// The request for a farm, beside its scene.
@@ -95,6 +73,9 @@ pub struct Plan {
     pub tasks: u32,
     /// Samples per pixel of the image.
     pub spp: u32,
+    /// Mutations per pixel that a sample stands for; one but for Markov chains.
+    #[serde(default = "one")]
+    pub unit: u32,
     /// Seed, the first of several for a division by seeds.
     pub seed: u32,
     /// How samples are divided.
@@ -111,6 +92,13 @@ pub struct Plan {
     pub sampler: String,
     /// Settings of task 0.
     pub settings: Settings,
+    /// The camera, for the image's metadata.
+    #[serde(default)]
+    pub camera: CameraAttributes,
+}
+
+fn one() -> u32 {
+    1
 }
 
 /// The share of a task.
@@ -135,42 +123,32 @@ impl Share {
     }
 }
 
-impl PlannedScene {
-    /// Reads the scene and builds its tables.
-    ///
-    /// # Errors
-    /// What is wrong with the scene.
-    pub fn load(&self) -> Result<Scene, FarmError> {
-        let parsed = parse_scene(&self.file, &self.defines, self.strict)?;
-        let options = BuildOptions {
-            film: FilmOverride {
-                size: self.size,
-                width: self.width,
-                crop: self.crop.map(|[x, y, width, height]| Crop {
-                    offset: [x, y],
-                    size: [width, height],
-                }),
-            },
-            integrator: self.integrator.clone(),
-            sampler: self.sampler.clone(),
-            sensor: self.sensor,
-        };
-        Ok(build_scene(&parsed, &options)?)
-    }
-}
-
 impl Plan {
     /// Plans a farm. Loads the scene once, so that its mistakes show here and not in every task.
     ///
     /// # Errors
     /// What is wrong with the scene; or there are no tasks, more than samples, or too many of either.
     pub fn new(scene: PlannedScene, request: &Request) -> Result<Plan, FarmError> {
-        let wrong = |what: String| Err(FarmError::Request(what));
         let built = scene.load()?;
-        let spp = request.spp.unwrap_or(built.spp);
+        Plan::of(scene, &built, request)
+    }
+
+    /// [`Plan::new`] for a scene that was loaded.
+    ///
+    /// # Errors
+    /// As there, but for the scene's.
+    pub fn of(scene: PlannedScene, built: &Scene, request: &Request) -> Result<Plan, FarmError> {
+        let wrong = |what: String| Err(FarmError::Request(what));
+        let unit = MutationsPerPixel::of(built).0;
+        let spp = request.spp.unwrap_or(built.spp).div_ceil(unit);
         let tasks = request.tasks;
         if tasks == 0 || tasks > MAX_TASKS {
             return wrong(format!("a farm has 1 to {MAX_TASKS} tasks, not {tasks}"));
+        }
+        if tasks > spp && request.division != Division::Pixels && unit > 1 {
+            return wrong(format!(
+                "{tasks} tasks cannot share {spp} groups of {unit} mutations per pixel; each needs at least one: ask for more samples per pixel"
+            ));
         }
         if tasks > spp && request.division != Division::Pixels {
             return wrong(format!(
@@ -211,6 +189,7 @@ impl Plan {
             output: request.output.clone(),
             tasks,
             spp,
+            unit,
             seed,
             division: request.division,
             layers: request.layers.iter().map(|a| a.name().to_owned()).collect(),
@@ -219,14 +198,10 @@ impl Plan {
             integrator: built.integrator.clone(),
             sampler: sampler_name(built.sampler).to_owned(),
             settings: Settings::new(),
+            camera: CameraAttributes::of(&built.tables.camera),
             scene,
         };
-        plan.settings = run_settings(
-            &plan.scene.file,
-            &built,
-            &plan.options(plan.share(0)),
-            plan.aovs()?,
-        );
+        plan.settings = plan.found_settings(built)?;
         Ok(plan)
     }
 
@@ -234,6 +209,7 @@ impl Plan {
     pub(super) fn is_sound(&self) -> bool {
         (1..=MAX_TASKS).contains(&self.tasks)
             && self.spp > 0
+            && self.unit > 0
             && (self.tasks <= self.spp || self.division == Division::Pixels)
             && self.fan_in >= 2
             && (self.division != Division::Seeds || self.seed.checked_add(self.tasks).is_some())
@@ -295,6 +271,16 @@ impl Plan {
         }
     }
 
+    /// The settings of task 0 with a scene that was loaded.
+    fn found_settings(&self, scene: &Scene) -> Result<Settings, FarmError> {
+        let options = self.options(self.share(0));
+        let mut settings = run_settings(&self.scene.file, scene, &options, self.aovs()?);
+        if let Some(clamp) = self.scene.look.clamp {
+            settings.insert(CLAMP.to_owned(), clamp.to_string());
+        }
+        Ok(settings)
+    }
+
     /// The settings in the checkpoint of a share.
     pub fn settings_of(&self, share: Share) -> Settings {
         let mut settings = self.settings.clone();
@@ -319,8 +305,7 @@ impl Plan {
     /// # Errors
     /// What differs.
     pub fn check(&self, scene: &Scene) -> Result<(), FarmError> {
-        let options = self.options(self.share(0));
-        let found = run_settings(&self.scene.file, scene, &options, self.aovs()?);
+        let found = self.found_settings(scene)?;
         let differences = settings_differences(&self.settings, &found);
         if differences.is_empty() {
             Ok(())

@@ -96,6 +96,7 @@ pub fn run_task(
     let scene = plan.scene.load()?;
     plan.check(&scene)?;
     let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+    let clamp = plan.scene.look.clamp.unwrap_or(f32::INFINITY);
     let (mut film, mut state) = match load_checkpoint(&path, &settings) {
         Ok((progress, film)) => {
             let state = RunState {
@@ -116,6 +117,7 @@ pub fn run_task(
         }
         Err(other) => return Err(other.into()),
     };
+    film.set_clamp(clamp);
     let mut observer = Saving {
         checkpoint: CheckpointFile::new(path.clone(), settings, interval, &state),
     };

@@ -5,6 +5,30 @@
 //! (1, 1) its lower right one (OpenEXR, "Standard Attributes").
 
 use halflight_kernel::scene::{Camera, camera_kind};
+use serde::{Deserialize, Serialize};
+
+/// Both attributes, where a camera has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CameraAttributes {
+    /// `worldToCamera`; a meter stands nowhere.
+    pub world_to_camera: Option<[f32; 16]>,
+    /// `worldToNDC`; a panorama is no projection to a window.
+    pub world_to_ndc: Option<[f32; 16]>,
+}
+
+impl CameraAttributes {
+    /// Of a camera.
+    pub fn of(camera: &Camera) -> CameraAttributes {
+        let has_place = camera.kind <= camera_kind::SPHERICAL;
+        let has_window = camera.kind <= camera_kind::ORTHOGRAPHIC;
+        // A radiance meter has no window either.
+        let is_wide = camera.tan_half_width > 0.0 && camera.tan_half_height > 0.0;
+        CameraAttributes {
+            world_to_camera: has_place.then(|| world_to_camera(camera)),
+            world_to_ndc: (has_window && is_wide).then(|| world_to_ndc(camera)),
+        }
+    }
+}
 
 /// Rows of a matrix for columns, which becomes one for rows.
 fn transposed(rows: [[f32; 4]; 4]) -> [f32; 16] {
@@ -17,13 +41,13 @@ fn to_camera(camera: &Camera) -> [[f32; 4]; 3] {
 }
 
 /// The attribute `worldToCamera`.
-pub fn world_to_camera(camera: &Camera) -> [f32; 16] {
+fn world_to_camera(camera: &Camera) -> [f32; 16] {
     let [x, y, z] = to_camera(camera);
     transposed([x.map(|v| -v), y, z, [0.0, 0.0, 0.0, 1.0]])
 }
 
 /// The attribute `worldToNDC`.
-pub fn world_to_ndc(camera: &Camera) -> [f32; 16] {
+fn world_to_ndc(camera: &Camera) -> [f32; 16] {
     let [x, y, z] = to_camera(camera);
     let w = match camera.kind {
         camera_kind::ORTHOGRAPHIC => [0.0, 0.0, 0.0, 1.0],

@@ -157,8 +157,8 @@ pub fn write_exr(path: &Path, image: &LayeredImage, half: bool) -> Result<(), Wr
         let value = AttributeValue::F64(value);
         layer_attributes.other.insert(text(name), value);
     }
-    layer_attributes.world_to_camera = metadata.world_to_camera;
-    layer_attributes.world_to_normalized_device = metadata.world_to_ndc;
+    layer_attributes.world_to_camera = metadata.camera.world_to_camera;
+    layer_attributes.world_to_normalized_device = metadata.camera.world_to_ndc;
     let encoding = Encoding {
         compression: Compression::ZIP1,
         blocks: Blocks::ScanLines,

@@ -37,7 +37,7 @@ pub struct ExrImage {
     pub display_size: [u32; 2],
     /// Name and `width * height` samples of each channel, rows from top to bottom; sorted by name within a part.
     pub channels: Vec<(String, Vec<f32>)>,
-    /// Name and value of each attribute that is text or a number, as text, sorted by name. Parts after the first
+    /// Name and value of each attribute that is text, a number or a matrix, as text, sorted by name. Parts after the first
     /// prefix the names of theirs like those of channels.
     pub attributes: Vec<(String, String)>,
     /// What was left out, a sentence each.
@@ -324,6 +324,10 @@ fn collect_attributes(header: &Header, prefix: &str, image: &mut ExrImage) {
             AttributeValue::F32(number) => number.to_string(),
             AttributeValue::F64(number) => number.to_string(),
             AttributeValue::I32(number) => number.to_string(),
+            AttributeValue::Matrix4x4(numbers) => {
+                let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+                numbers.join(" ")
+            }
             _ => continue,
         };
         let name = String::from_utf8_lossy(name);

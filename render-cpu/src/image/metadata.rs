@@ -5,6 +5,7 @@
 //! `settings` tell images that belong together. `sampleRanges` is the record that makes merging safe: which samples
 //! of which seeds the image holds, as in `1:0..64 2:0..64`.
 
+use super::camera_attributes::CameraAttributes;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
@@ -71,6 +72,12 @@ pub fn join_ranges(ranges: &[SampleRange]) -> Vec<SampleRange> {
     joined
 }
 
+/// A matrix of sixteen numbers.
+fn matrix(text: &str) -> Option<[f32; 16]> {
+    let numbers: Result<Vec<f32>, _> = text.split_whitespace().map(str::parse).collect();
+    numbers.ok()?.try_into().ok()
+}
+
 /// How an image was made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageMetadata {
@@ -92,10 +99,8 @@ pub struct ImageMetadata {
     pub samples_per_pixel: Option<u32>,
     /// Who the image belongs to; empty where nobody said.
     pub owner: String,
-    /// World to camera as OpenEXR has it: for row vectors, x to the right, y up, z forward.
-    pub world_to_camera: Option<[f32; 16]>,
-    /// World to the display window, (0, 0) its upper left and (1, 1) its lower right corner.
-    pub world_to_ndc: Option<[f32; 16]>,
+    /// Where the camera stood, as OpenEXR has it.
+    pub camera: CameraAttributes,
     /// Digest of the scene's content; empty where it is not known.
     pub scene_digest: String,
     /// What else decides the radiance that an image estimates, by name, and the sampler.
@@ -181,8 +186,10 @@ impl ImageMetadata {
             render_seconds: number("renderSeconds"),
             samples_per_pixel: find("samplesPerPixel").and_then(|t| t.parse().ok()),
             owner: text("owner"),
-            world_to_camera: None,
-            world_to_ndc: None,
+            camera: CameraAttributes {
+                world_to_camera: find("worldToCamera").and_then(|t| matrix(&t)),
+                world_to_ndc: find("worldToNDC").and_then(|t| matrix(&t)),
+            },
             scene_digest: text("sceneDigest"),
             settings: serde_json::from_str(&text("settings")).unwrap_or_default(),
             mutations: text("mutations"),

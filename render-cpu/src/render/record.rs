@@ -18,6 +18,9 @@ pub const FIRST_SAMPLE: &str = "first sample";
 /// The other one.
 pub const SEED: &str = "seed";
 
+/// Name of the setting that says what samples are brought down to.
+pub const CLAMP: &str = "clamp";
+
 /// Everything that decides the numbers of an image; a checkpoint of other settings is refused.
 pub fn run_settings(path: &Path, scene: &Scene, options: &RenderOptions, aovs: AovSet) -> Settings {
     let camera = &scene.tables.camera;

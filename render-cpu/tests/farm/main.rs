@@ -2,6 +2,7 @@
 
 mod division;
 mod failures;
+mod options;
 #[path = "../common/room.rs"]
 mod room;
 

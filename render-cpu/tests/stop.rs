@@ -10,7 +10,7 @@ use halflight::render::{
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 fn scene(integrator: &str, width: u32) -> Scene {
@@ -59,6 +59,28 @@ fn a_pass_takes_nothing_once_it_is_to_stop() {
         let end = backend.pass(&mut film, 4, None, &Stop::NEVER);
         assert_eq!(end.expect("a pass"), PassEnd::Complete);
         assert_eq!(film.total_samples(), 4 * 64 * u64::from(film.height()));
+    }
+}
+
+#[test]
+fn passes_count_what_they_take() {
+    for integrator in ["path", "ao", "bdpt", "vcm", "sppm", "mmlt", "mlt"] {
+        let scene = scene(integrator, 64);
+        let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
+        let options = options(Goal::Samples(2), false);
+        let mut backend = CpuBackend::new(&scene, &accel, &options);
+        let mut film = empty(&scene);
+        let (never, taken) = (AtomicBool::new(false), AtomicU64::new(0));
+        let stop = Stop::new(&never, None).counting(Some(&taken));
+        let end = backend.pass(&mut film, 1, None, &stop).expect("a pass");
+        assert_eq!(end, PassEnd::Complete, "{integrator}");
+        let all = film.total_samples() as f64;
+        let counted = taken.load(Ordering::Relaxed) as f64;
+        // The rounds of chains are rounded down.
+        assert!(
+            counted <= all && counted > 0.95 * all,
+            "{integrator}: {counted} of {all}"
+        );
     }
 }
 

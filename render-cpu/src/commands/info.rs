@@ -1,5 +1,6 @@
 //! `halflight info`: the contents of a scene, without rendering it.
 
+use super::info_cost::cost;
 use super::info_report::{Count, Named, Report};
 use super::scene_args::{SceneArgs, build_accel};
 use crate::say::{print, print_line};
@@ -25,10 +26,11 @@ pub struct InfoArgs {
 /// What is wrong with the scene.
 pub fn run(args: &InfoArgs) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let parsed = args.scene.parse()?;
-    let scene = args.scene.build(&parsed)?;
+    let mut scene = args.scene.build(&parsed)?;
     let accel = build_accel(&scene);
+    let cost = cost(&mut scene, &accel);
     let name = args.scene.scene.display().to_string();
-    let report = Report::new(name, &parsed, &args.scene.defines, &scene, &accel);
+    let report = Report::new(name, &parsed, &args.scene.defines, &scene, &accel, cost);
     if args.json {
         print_line(serde_json::to_string_pretty(&report)?)?;
     } else {
@@ -92,8 +94,9 @@ fn describe(r: &Report, sensor: usize, out: &mut String) -> fmt::Result {
     if let (Some(rate), Some(seconds)) = (r.cost.samples_per_second, r.cost.seconds) {
         writeln!(
             out,
-            "cost         {:.3} million samples per second here, about {} for the image",
+            "cost         {:.3} million {} per second here, about {} for the image",
             rate / 1e6,
+            r.cost.unit,
             duration(seconds)
         )?;
     }

@@ -1,22 +1,12 @@
 //! What `halflight info` finds in a scene, as numbers and names.
 
+use super::info_cost::Cost;
 use crate::accel::Accel;
-use crate::film::Film;
-use crate::film::aov::AovSet;
 use crate::render::record::sampler_name;
-use crate::render::{Backend, CpuBackend, Goal, RenderOptions, Shape, Stop, shape};
 use crate::scene::build::{Scene, all_sensors};
 use crate::scene::xml::{ObjectKind, ParsedScene};
 use halflight_kernel::scene::{camera_kind, emitter_kind, lobe_kind};
 use serde::Serialize;
-use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
-
-/// Samples that are taken to find out what they cost, about.
-const TRIAL_SAMPLES: usize = 1 << 15;
-
-/// Longest time for that.
-const TRIAL_TIME: Duration = Duration::from_secs(1);
 
 /// A name and how often it occurs.
 #[derive(Debug, Serialize)]
@@ -50,16 +40,6 @@ pub(super) struct Trees {
     pub skipped: usize,
     pub bytes: usize,
     pub seconds: f64,
-}
-
-/// What an image takes.
-#[derive(Debug, Serialize)]
-pub(super) struct Cost {
-    pub film_bytes: usize,
-    /// Of all threads; none where it was not measured.
-    pub samples_per_second: Option<f64>,
-    /// For as many samples as the scene asks for.
-    pub seconds: Option<f64>,
 }
 
 /// All of it.
@@ -108,6 +88,7 @@ impl Report {
         defines: &[(String, String)],
         scene: &Scene,
         accel: &Accel,
+        cost: Cost,
     ) -> Report {
         let tables = &scene.tables;
         let camera = &tables.camera;
@@ -186,52 +167,10 @@ impl Report {
                 bytes: trees.bytes,
                 seconds: trees.build_time.as_secs_f64(),
             },
-            cost: cost(scene, accel),
+            cost,
             warnings: scene.warnings.iter().map(ToString::to_string).collect(),
         }
     }
-}
-
-/// Takes some samples to see what an image costs.
-fn cost(scene: &Scene, accel: &Accel) -> Cost {
-    let camera = &scene.tables.camera;
-    let [width, height] = camera.crop_size;
-    let pixels = width as usize * height as usize;
-    let mut cost = Cost {
-        film_bytes: pixels * size_of::<crate::film::PixelStatistics>(),
-        samples_per_second: None,
-        seconds: None,
-    };
-    // Other algorithms take whole images only.
-    if shape(scene.settings.kind) != Shape::Pixels {
-        return cost;
-    }
-    let Ok(mut film) = Film::new(width, height, camera.crop_offset, AovSet::NONE) else {
-        return cost;
-    };
-    let options = RenderOptions {
-        goal: Goal::Samples(1),
-        seed: 0,
-        first_sample: 0,
-        adaptive: false,
-    };
-    let mut threads = CpuBackend::new(scene, accel, &options);
-    // Pixels from all over the image, an odd number apart so that they do not stand in columns.
-    let every = (pixels / TRIAL_SAMPLES).max(1) | 1;
-    let of_each = (TRIAL_SAMPLES / pixels).clamp(1, 16) as u32;
-    let wanted = |i: usize| if i.is_multiple_of(every) { of_each } else { 0 };
-    let trial: Vec<u32> = (0..pixels).map(wanted).collect();
-    let request = AtomicBool::new(false);
-    let start = Instant::now();
-    let stop = Stop::new(&request, Some(start + TRIAL_TIME));
-    let pass = threads.pass(&mut film, of_each, Some(&trial), &stop);
-    let taken = film.total_samples() as f64;
-    if pass.is_ok() && taken > 0.0 {
-        let rate = taken / start.elapsed().as_secs_f64().max(1e-9);
-        cost.samples_per_second = Some(rate);
-        cost.seconds = Some(pixels as f64 * f64::from(scene.spp) / rate);
-    }
-    cost
 }
 
 /// Names in the order of their first occurrence.

@@ -8,6 +8,7 @@ pub mod experiment;
 pub mod farm;
 pub mod image;
 pub mod info;
+mod info_cost;
 mod info_report;
 pub mod interrupt;
 pub mod list;

@@ -111,7 +111,13 @@ pub fn run_with(
     let (mut film, mut state, checkpoint) = args.begin(&scene, &options)?;
     let stop = interrupt::request(quiet);
     let mut observer = RunObserver {
-        report: ProgressReport::new(options.goal, state, quiet).with_unit(mutations),
+        report: ProgressReport::new(
+            options.goal,
+            state,
+            quiet,
+            mutations,
+            film.statistics().len(),
+        ),
         checkpoint,
         previews: args.previews(&output, &film)?,
     };

@@ -5,6 +5,8 @@ use crate::film::Film;
 use crate::render::progress::ProgressReport;
 use crate::render::{CheckpointFile, Observer, RunState};
 use std::error::Error;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 /// Reports progress and saves checkpoints between passes.
 pub(super) struct RunObserver {
@@ -28,5 +30,9 @@ impl Observer for RunObserver {
         }
         self.previews.show(film, false);
         Ok(())
+    }
+
+    fn counter(&self) -> Option<Arc<AtomicU64>> {
+        self.report.counter()
     }
 }

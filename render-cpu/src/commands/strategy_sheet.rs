@@ -9,13 +9,16 @@ use crate::plot::strategy_sheet::draw;
 use crate::processor::set_threads;
 use crate::render::progress::ProgressReport;
 use crate::render::{
-    Observer, Outcome, PassError, RunState, StrategyBackend, StrategyPyramid, render_with,
+    MutationsPerPixel, Observer, Outcome, PassError, RunState, StrategyBackend, StrategyPyramid,
+    render_with,
 };
 use crate::say::note;
 use halflight_kernel::transport::integrator_kind;
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 /// Reports the progress of a sheet.
 struct SheetObserver(ProgressReport);
@@ -24,6 +27,10 @@ impl Observer for SheetObserver {
     fn after_pass(&mut self, state: &RunState, film: &crate::film::Film) -> Result<(), PassError> {
         self.0.update(state, film);
         Ok(())
+    }
+
+    fn counter(&self) -> Option<Arc<AtomicU64>> {
+        self.0.counter()
     }
 }
 
@@ -68,7 +75,13 @@ pub fn run(
         options: &options,
         pyramid,
     };
-    let mut observer = SheetObserver(ProgressReport::new(options.goal, state, quiet));
+    let mut observer = SheetObserver(ProgressReport::new(
+        options.goal,
+        state,
+        quiet,
+        MutationsPerPixel(1),
+        film.statistics().len(),
+    ));
     let stop = interrupt::request(quiet);
     let outcome: Result<Outcome, PassError> = render_with(
         &mut backend,

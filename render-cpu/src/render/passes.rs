@@ -118,6 +118,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                         &mut out,
                     )
                 });
+                self.stop.took(samples.len());
                 Some((out, sums))
             })
             .collect();

@@ -11,7 +11,8 @@ use super::options::{Goal, Outcome, RenderOptions, RunState};
 use super::stop::Stop;
 use crate::film::owed::Owed;
 use crate::film::{Film, adaptive};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Longest time that a pass should take, so that checkpoints, clocks and Ctrl-C are heeded.
@@ -28,6 +29,11 @@ pub trait Observer {
         state: &RunState,
         film: &Film,
     ) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
+
+    /// Where passes count the samples of single pixels that they take.
+    fn counter(&self) -> Option<Arc<AtomicU64>> {
+        None
+    }
 }
 
 /// An observer that does nothing.
@@ -64,7 +70,8 @@ pub fn render_with(
         Goal::Time(limit) => start.checked_add(limit),
         Goal::Samples(_) => None,
     };
-    let stop_pass = Stop::new(stop, deadline);
+    let counter = observer.counter();
+    let stop_pass = Stop::new(stop, deadline).counting(counter.as_deref());
     loop {
         let elapsed = start.elapsed();
         let left = match options.goal {

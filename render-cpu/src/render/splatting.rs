@@ -125,6 +125,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     let mut out = TileSamples::default();
                     workspace.run(view, settings, photons.as_ref(), &mut samples, &mut out);
                     lock().push(workspace);
+                    stop.took(samples.len());
                     Some(TaskResult::new(tile, out, &filter, film.height()))
                 })
                 .collect();

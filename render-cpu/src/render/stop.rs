@@ -1,9 +1,10 @@
 //! When a pass is to end before it is complete.
 //!
 //! A pass may take minutes: one sample of every pixel of a large image. So those who take samples look here now and then, often
-//! enough that a run ends well within two seconds of being asked to.
+//! enough that a run ends well within two seconds of being asked to. They count what they have taken here as well, so that the
+//! progress of a long pass can be seen.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// How long samples that would be lost if a pass ended may go on after the time is over.
@@ -14,6 +15,7 @@ const GRACE: Duration = Duration::from_secs(1);
 pub struct Stop<'a> {
     request: Option<&'a AtomicBool>,
     deadline: Option<Instant>,
+    taken: Option<&'a AtomicU64>,
 }
 
 impl<'a> Stop<'a> {
@@ -21,6 +23,7 @@ impl<'a> Stop<'a> {
     pub const NEVER: Stop<'static> = Stop {
         request: None,
         deadline: None,
+        taken: None,
     };
 
     /// When the request is made or the deadline is over.
@@ -28,6 +31,20 @@ impl<'a> Stop<'a> {
         Stop {
             request: Some(request),
             deadline,
+            taken: None,
+        }
+    }
+
+    /// With a counter of the samples that the pass takes, for those who watch it.
+    #[must_use]
+    pub fn counting(self, taken: Option<&'a AtomicU64>) -> Stop<'a> {
+        Stop { taken, ..self }
+    }
+
+    /// Counts samples of single pixels that a pass has taken.
+    pub fn took(&self, samples: usize) {
+        if let Some(taken) = self.taken {
+            taken.fetch_add(samples as u64, Ordering::Relaxed);
         }
     }
 

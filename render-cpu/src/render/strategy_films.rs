@@ -111,6 +111,7 @@ impl Backend for StrategyBackend<'_> {
             } else {
                 self.add_layer(&view, film, IndependentSampler::new);
             }
+            stop.took(film.statistics().len());
         }
         Ok(PassEnd::Complete)
     }

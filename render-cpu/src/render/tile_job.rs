@@ -101,6 +101,7 @@ impl<T: Traverse> TileJob<'_, T> {
                             self.add_surface(tile, [x, y], sampler);
                         }
                     }
+                    self.stop.took(count as usize);
                     continue;
                 }
                 let mut done = 0;
@@ -134,6 +135,7 @@ impl<T: Traverse> TileJob<'_, T> {
     /// Traces the wave and adds its samples.
     fn finish<S: LaneSampler>(&self, tile: &mut FilmTile<'_>, workspace: &mut Workspace<S>) {
         let mut radiance = workspace.wave.run(self.simd, self.view, self.settings);
+        self.stop.took(radiance.len());
         let mut samplers = workspace.samplers.drain(..);
         for run in workspace.runs.drain(..) {
             let (of_run, rest) = radiance.split_at(run.count as usize);

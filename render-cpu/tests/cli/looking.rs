@@ -60,6 +60,32 @@ fn info_names_what_the_command_line_can_choose() {
             .as_f64()
             .is_some_and(|r| r > 0.0)
     );
+    for (integrator, unit) in [
+        ("bdpt", "samples"),
+        ("vcm", "samples"),
+        ("sppm", "samples"),
+        ("appm", "samples"),
+        ("mmlt", "mutations"),
+        ("mlt", "mutations"),
+    ] {
+        let words = [
+            "info",
+            "two.xml",
+            "--json",
+            "--width",
+            "400",
+            "--integrator",
+            integrator,
+        ];
+        let report = json(&place.succeed(&words));
+        let cost = &report["cost"];
+        assert_eq!(cost["unit"], unit, "{integrator}");
+        let number = |name: &str| cost[name].as_f64().unwrap_or(0.0);
+        let (rate, seconds) = (number("samples_per_second"), number("seconds"));
+        assert!(rate > 0.0 && seconds > 0.0, "{integrator}: {cost}");
+        // The image that was asked for, not the small one of the trial.
+        assert_eq!(report["size"][0], 400);
+    }
 }
 
 #[test]

@@ -107,6 +107,9 @@ pub fn run<A: ChainAlgorithm>(
             let round = ROUND.min(size.steps - done);
             done += round;
             let is_last = done == size.steps;
+            // The share of this round in the group, which is one sample of every pixel.
+            let all = f64::from(size.steps) * f64::from(size.chains);
+            let share = f64::from(round) * tasks.len() as f64 / all;
             tasks.par_iter_mut().for_each(|task| {
                 let Task {
                     chain,
@@ -137,6 +140,7 @@ pub fn run<A: ChainAlgorithm>(
                     algorithm.finish(chain, b, &mut add);
                 }
             });
+            stop.took((share * pixels as f64) as usize);
             if let Some(steps) = &mut image.steps {
                 let records = tasks.iter().flat_map(|task| &task.records);
                 records.for_each(|record| add_record(steps, record, filter, [width, height]));

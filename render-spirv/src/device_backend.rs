@@ -78,6 +78,9 @@ pub enum BackendError {
     /// The sensor has no shader.
     #[error("there is no shader for irradiance meters; `halflight render` has them")]
     NoMeter,
+    /// Shaders hold the plain algorithms.
+    #[error("there is no shader for --regularize and --mollify; `halflight render` has them")]
+    NoRegularization,
     /// The committed module is older than the program.
     #[error(transparent)]
     StaleModule(#[from] StaleModule),
@@ -105,6 +108,9 @@ impl DeviceBackend {
         }
         if scene.tables.camera.kind == camera_kind::IRRADIANCE_METER {
             return Err(BackendError::NoMeter);
+        }
+        if scene.settings.regularization.is_some() {
+            return Err(BackendError::NoRegularization);
         }
         let tables = SceneBuffers::upload(device, scene, accel)?;
         let [width, height] = scene.tables.camera.crop_size;

@@ -222,7 +222,7 @@ pub(super) fn eval_pdf_both(lobe: &Lobe, wi: Vec3, wo: Vec3) -> BsdfValue {
     }
 }
 
-/// Whether lobes of the kind scatter light only to the side from which it came, discrete directions aside.
+/// Whether lobes of the kind scatter light only to the side from which it came, null scattering aside.
 #[inline]
 pub(super) fn is_opaque(kind: u32) -> bool {
     kind == lobe_kind::DIFFUSE
@@ -234,7 +234,7 @@ pub(super) fn is_opaque(kind: u32) -> bool {
         || kind == lobe_kind::ROUGH_COAT
         || kind == lobe_kind::MERL
         || kind == lobe_kind::MEASURED
-        || is_delta(kind)
+        || is_delta(kind) && kind != lobe_kind::DIELECTRIC && kind != lobe_kind::THIN_DIELECTRIC
 }
 
 /// Samples a direction in the local frame of the surface, with weight f |cos| / pdf.

@@ -161,7 +161,7 @@ impl Bsdf {
 
     /// A reference to lobe `i`.
     #[inline]
-    pub(super) fn lobe_at(&self, i: u32) -> &Lobe {
+    pub(crate) fn lobe_at(&self, i: u32) -> &Lobe {
         &self.lobes[self.slot(i as usize)]
     }
 

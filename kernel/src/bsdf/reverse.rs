@@ -54,7 +54,7 @@ impl Bsdf {
         both
     }
 
-    /// Whether no light passes to the other side of the surface, discrete directions aside.
+    /// Whether no light passes to the other side of the surface, null scattering aside.
     #[inline]
     pub fn is_opaque(&self) -> bool {
         for i in 0..self.lobe_count() {
@@ -155,7 +155,13 @@ impl Bsdf {
 
     /// Whether the lobes that were looked up for wi are those that would be for wo.
     #[inline]
-    fn holds_reverse(&self, tables: &Tables<'_>, point: &SurfacePoint, wi: Vec3, wo: Vec3) -> bool {
+    pub(crate) fn holds_reverse(
+        &self,
+        tables: &Tables<'_>,
+        point: &SurfacePoint,
+        wi: Vec3,
+        wo: Vec3,
+    ) -> bool {
         for i in 0..self.lobe_count() {
             if self.lobe_at(i).has_frame {
                 return false;

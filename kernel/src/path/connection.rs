@@ -25,6 +25,7 @@ use super::walk::Walk;
 use super::weight::Heuristic;
 use crate::bsdf::mode;
 use crate::math::{Rgb, float};
+use crate::regularize::settings::Regularization;
 use crate::scene::emitter::emission::{self, EmissionSample, light_cosine};
 use crate::scene::emitter::{
     self, DirectSample, area_radiance, environment_radiance_and_pdf, sample_direct_with_point,
@@ -43,6 +44,8 @@ pub struct Connector<'a> {
     pub strategies: Strategies,
     /// Where photons are merged: how many there are.
     pub photons: PhotonDensity<'a>,
+    /// Of the sample that is taken.
+    pub regularization: Regularization,
 }
 
 impl Connector<'_> {

@@ -8,12 +8,19 @@
 //! Nothing else depends on the direction of transport. All strategies therefore agree on the value of a path up to rounding,
 //! even where a model is not exactly reciprocal.
 //!
+//! Regularisation is a property of the vertex ([`Interaction::regularized`]): its BSDF is then evaluated below tau, with the
+//! densities p_hat of equation 13 of Jendersie and Grosch 2019 for the weights ([`crate::regularize::both_ways`]).
+//!
 //! Invariant (tests): with the two directions exchanged, both modes give the same value but for that ratio, and the two
 //! densities change places.
 
 use super::rules::PathRules;
-use crate::bsdf::{Bsdf, mode};
+use crate::bsdf::{Bsdf, BsdfValue, mode};
 use crate::math::{Rgb, float};
+use crate::regularize::bandwidth::TAU_MAX;
+use crate::regularize::both_ways;
+use crate::regularize::regularized_bsdf::mixture_eval_cosine_pdf;
+use crate::regularize::settings::flag;
 use crate::scene::{SurfacePoint, Tables};
 use glam::Vec3;
 
@@ -55,6 +62,10 @@ pub struct Interaction<'a> {
     pub wi: Vec3,
     /// Absolute cosine between that direction and the geometric normal.
     pub cosine: f32,
+    /// Largest value of the BSDF in connections, [`TAU_MAX`] where the model is evaluated as it is.
+    pub tau: f32,
+    /// [`flag::PLAIN_WEIGHTS`] or [`flag::PLAIN_VALUES`] among bits of [`flag`].
+    pub variant: u32,
 }
 
 impl<'a> Interaction<'a> {
@@ -66,7 +77,32 @@ impl<'a> Interaction<'a> {
             bsdf,
             wi: point.frame.to_local(-direction),
             cosine: float::abs(point.geometric_normal.dot(direction)),
+            tau: TAU_MAX,
+            variant: 0,
         }
+    }
+
+    /// The same with the BSDF below `tau` where it is evaluated for connections; nothing else changes for a BSDF that has no
+    /// larger values. `variant` holds bits of [`flag`].
+    #[inline]
+    pub fn regularized(mut self, tau: f32, variant: u32) -> Interaction<'a> {
+        if both_ways::is_raised(self.bsdf, tau) {
+            self.tau = tau;
+            self.variant = variant;
+        }
+        self
+    }
+
+    /// Whether the BSDF is evaluated below some tau.
+    #[inline]
+    pub fn is_regularized(&self) -> bool {
+        self.tau < TAU_MAX
+    }
+
+    /// Whether some direction has a density, so that the vertex can be connected. Regularisation gives one to specular lobes.
+    #[inline]
+    pub fn is_connectable(&self) -> bool {
+        self.is_regularized() || self.bsdf.has_smooth()
     }
 
     /// Scattering of a walk of `transport_mode` (one of [`mode`]) into the unit world `direction`.
@@ -77,15 +113,13 @@ impl<'a> Interaction<'a> {
         transport_mode: u32,
         direction: Vec3,
     ) -> Evaluation {
-        let (point, wi) = (self.point, self.wi);
+        let point = self.point;
         let wo = point.frame.to_local(direction);
         if !rules.allows(point, direction, wo.z) {
             return Evaluation::NONE;
         }
         let is_light_walk = transport_mode == mode::IMPORTANCE;
-        let both = self
-            .bsdf
-            .eval_cosine_pdf_both(tables, point, wi, wo, is_light_walk);
+        let both = self.eval_cosine_pdf_both(tables, wo, is_light_walk);
         if both.value.max_element() <= 0.0 {
             return Evaluation::NONE;
         }
@@ -98,6 +132,57 @@ impl<'a> Interaction<'a> {
             value: both.value * ratio,
             pdf: both.pdf,
             pdf_reverse: both.pdf_reverse,
+        }
+    }
+
+    /// Value and densities for a local direction, below tau where the vertex is regularised.
+    #[inline]
+    pub fn eval_cosine_pdf_both(
+        &self,
+        tables: &Tables<'_>,
+        wo: Vec3,
+        is_light_walk: bool,
+    ) -> BsdfValue {
+        let (bsdf, point, wi) = (self.bsdf, self.point, self.wi);
+        if !self.is_regularized() {
+            return bsdf.eval_cosine_pdf_both(tables, point, wi, wo, is_light_walk);
+        }
+        let tau = self.tau;
+        let hat = both_ways::eval_cosine_pdf_both(bsdf, tables, point, wi, wo, is_light_walk, tau);
+        if self.variant & (flag::PLAIN_WEIGHTS | flag::PLAIN_VALUES) == 0 {
+            return hat;
+        }
+        let plain = bsdf.eval_cosine_pdf_both(tables, point, wi, wo, is_light_walk);
+        if self.variant & flag::PLAIN_VALUES != 0 {
+            return BsdfValue {
+                value: plain.value,
+                ..hat
+            };
+        }
+        // Densities are undefined where there is no value.
+        let has_value = plain.value.max_element() > 0.0;
+        let of = |pdf: f32| if has_value { pdf } else { 0.0 };
+        BsdfValue {
+            value: hat.value,
+            pdf: of(plain.pdf),
+            pdf_reverse: of(plain.pdf_reverse),
+        }
+    }
+
+    /// f |cos| and the density of a local direction for a camera walk alone, below tau where the vertex is regularised.
+    #[inline]
+    pub fn eval_cosine_pdf(&self, tables: &Tables<'_>, wo: Vec3) -> (Rgb, f32) {
+        let plain = |at: &Self| at.bsdf.eval_cosine_pdf(tables.data, at.wi, wo);
+        if !self.is_regularized() {
+            return plain(self);
+        }
+        let hat = mixture_eval_cosine_pdf(self.bsdf, tables.data, self.wi, wo, self.tau);
+        if self.variant & flag::PLAIN_WEIGHTS != 0 {
+            (hat.0, plain(self).1)
+        } else if self.variant & flag::PLAIN_VALUES != 0 {
+            (plain(self).0, hat.1)
+        } else {
+            hat
         }
     }
 

@@ -167,7 +167,7 @@ impl Connector<'_> {
 
 /// The segment to the lens point, as far as the near clipping plane.
 #[inline]
-fn to_lens_segment(point: &SurfacePoint, seen: &camera::FilmPosition) -> Ray {
+pub(super) fn to_lens_segment(point: &SurfacePoint, seen: &camera::FilmPosition) -> Ray {
     let mut ray = point.spawn(seen.direction);
     ray.t_max = seen.unclipped.min(seen.distance * (1.0 - 1e-5));
     ray

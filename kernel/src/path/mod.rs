@@ -7,6 +7,9 @@
 //! is the weighted value of one strategy before its visibility is known; it belongs to the pixel from which the camera
 //! subpath started, or is a splat. Walks always sample the BSDF itself.
 //!
+//! - [`discrete_event`], [`mollified`]: discrete directions of a material, and the same blurred;
+//! - [`spread`]: what the heuristics of regularisation know of a camera walk;
+//! - [`specular_chain`]: which paths nothing samples, and where they are connected all the same;
 //! - [`rules`]: path depth, hidden emitters, strict normals, Russian roulette;
 //! - [`subpath`]: the moving end of every random walk, its arrival at surfaces and its departure;
 //! - [`walk`]: random walks from the sensor and from emitters that can be connected;
@@ -25,10 +28,14 @@
 pub mod arrival;
 pub mod connection;
 pub mod contribution;
+pub mod discrete_event;
 pub mod evaluation;
 pub mod lens;
+pub mod mollified;
 pub mod photon_density;
 pub mod rules;
+pub mod specular_chain;
+pub mod spread;
 pub mod strategies;
 pub mod subpath;
 // Whole paths are for hosts only: chains keep their surface points, for which a shader has no room.

@@ -6,6 +6,7 @@
 
 use super::arrival::ShadingPoint;
 use super::evaluation::Interaction;
+use super::specular_chain::SpecularChain;
 use super::weight::PartialWeights;
 use crate::math::{Ray, Rgb, vec3};
 use crate::scene::{Hit, Tables};
@@ -30,6 +31,8 @@ pub struct PathVertex {
     pub d_vc: f32,
     /// Number of edges from the start of the subpath.
     pub depth: u32,
+    /// What selective regularisation knows up to this vertex.
+    pub chain: SpecularChain,
     /// Index of the previous connectable vertex of the same subpath in the caller's storage; [`crate::scene::NONE`] for none.
     pub previous: u32,
     /// Position of the surface point.
@@ -69,6 +72,8 @@ pub struct LightEnd<'a> {
     pub weights: PartialWeights,
     /// Number of edges from the emitter.
     pub edges: u32,
+    /// What selective regularisation knows up to this vertex.
+    pub chain: SpecularChain,
 }
 
 impl<'a> LightEnd<'a> {
@@ -80,6 +85,7 @@ impl<'a> LightEnd<'a> {
             throughput: vec3(vertex.throughput),
             weights: vertex.weights(),
             edges: vertex.depth,
+            chain: vertex.chain,
         }
     }
 }

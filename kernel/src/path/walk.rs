@@ -17,6 +17,7 @@
 
 use super::evaluation::Interaction;
 use super::rules::{PathRules, step};
+use super::specular_chain::{SpecularChain, state};
 use super::strategies::Strategies;
 use super::subpath::Subpath;
 use super::vertex::PathVertex;
@@ -26,7 +27,7 @@ use crate::math::{Ray, float};
 use crate::sampler::Sampler;
 use crate::scene::camera::CameraSample;
 use crate::scene::emitter::emission;
-use crate::scene::emitter::emission::{EmissionSample, is_delta, light_cosine};
+use crate::scene::emitter::emission::{EmissionSample, is_delta, is_infinite, light_cosine};
 #[cfg(not(target_arch = "spirv"))]
 use crate::scene::irradiance_meter;
 use crate::scene::surface::{detail, surface_with};
@@ -52,6 +53,10 @@ pub struct Walk {
     pub emitter: u32,
     /// The point of an area light at which it started.
     pub start: Hit,
+    /// What selective regularisation knows up to the last scattering.
+    pub chain: SpecularChain,
+    /// The same at the surface that the current ray has hit.
+    pub arrived_chain: SpecularChain,
 }
 
 impl Walk {
@@ -66,6 +71,8 @@ impl Walk {
             arrived: PartialWeights::NONE,
             emitter: NONE,
             start: Hit::MISS,
+            chain: SpecularChain::default(),
+            arrived_chain: SpecularChain::default(),
         }
     }
 
@@ -84,6 +91,8 @@ impl Walk {
             arrived: PartialWeights::NONE,
             emitter: sample.emitter,
             start: start_hit(point),
+            chain: SpecularChain::default(),
+            arrived_chain: SpecularChain::default(),
         }
     }
 
@@ -99,6 +108,14 @@ impl Walk {
         let h = strategies.heuristic;
         let cosine = float::abs(point.geometric_normal.dot(self.subpath.ray.direction));
         let distance2 = (point.position - self.subpath.position).length_squared();
+        self.arrived_chain = if self.subpath.depth > 0 {
+            SpecularChain {
+                edge: distance2,
+                ..self.chain
+            }
+        } else {
+            self.first_chain(tables, rules, strategies, distance2)
+        };
         if self.subpath.depth > 0 {
             self.arrived = self.weights.arrive(h, distance2, cosine);
         } else if self.mode == mode::RADIANCE {
@@ -109,6 +126,41 @@ impl Walk {
         } else {
             self.arrived = self.first_from_emitter(tables, strategies, point, cosine, distance2);
         }
+    }
+
+    /// The start of [`Walk::arrived_chain`], where the first edge has the squared length `distance2`.
+    fn first_chain(
+        &self,
+        tables: &Tables<'_>,
+        rules: &PathRules,
+        strategies: &Strategies,
+        distance2: f32,
+    ) -> SpecularChain {
+        let mut start = if strategies.heuristic.merging > 0.0 {
+            state::MERGES
+        } else {
+            0
+        };
+        let mut edge = distance2;
+        if self.mode == mode::RADIANCE {
+            if strategies.light_image {
+                start |= state::IS_ROUGH;
+            }
+            if strategies.pdf_lens(tables, rules) > 0.0 {
+                start |= state::SAMPLED;
+            }
+        } else {
+            let kind = tables.emitters[self.emitter as usize].kind;
+            start |= if is_delta(kind) {
+                state::IS_ROUGH
+            } else {
+                state::SAMPLED
+            };
+            if is_infinite(kind) {
+                edge = float::sqr(tables.info.radius);
+            }
+        }
+        SpecularChain::start(start, edge)
     }
 
     fn first_from_sensor(
@@ -203,6 +255,7 @@ impl Walk {
             d_vcm: self.arrived.d_vcm,
             d_vc: self.arrived.d_vc,
             depth: self.subpath.depth + 1,
+            chain: self.arrived_chain,
             previous,
         }
     }
@@ -237,9 +290,14 @@ impl Walk {
             return step::END;
         }
         let cosine = float::abs(point.geometric_normal.dot(direction));
+        self.chain = self
+            .arrived_chain
+            .scattered(sample.event & event::DELTA != 0);
         let factor = if sample.event & event::DELTA != 0 {
             let is_reversible = at.bsdf.has_same_frame(tables, point, chosen, sample.wo);
-            self.weights = if is_reversible {
+            self.weights = if at.is_regularized() {
+                self.regularized_weights(tables, h, at, &sample, cosine, is_reversible)
+            } else if is_reversible {
                 self.arrived.scatter_delta(h, cosine)
             } else {
                 // No walk can come from the other end.
@@ -254,9 +312,12 @@ impl Walk {
             let both = at
                 .bsdf
                 .eval_cosine_pdf_both(tables, point, at.wi, sample.wo, is_light_walk);
-            self.weights = self
-                .arrived
-                .scatter(h, sample.pdf, both.pdf_reverse, cosine);
+            self.weights = if at.is_regularized() {
+                self.regularized_weights(tables, h, at, &sample, cosine, true)
+            } else {
+                self.arrived
+                    .scatter(h, sample.pdf, both.pdf_reverse, cosine)
+            };
             if is_light_walk {
                 both.value * (at.adjoint_ratio(direction) / sample.pdf)
             } else {
@@ -275,6 +336,29 @@ impl Walk {
             subpath.light_survival(self.initial)
         };
         subpath.leave(rules, sampler, point, direction, survival)
+    }
+
+    /// The partial sums after scattering at a regularised vertex: with p_hat of the sampled direction in place of its density,
+    /// which a discrete direction has then too. Without `is_reversible` no walk comes from the other end.
+    fn regularized_weights(
+        &self,
+        tables: &Tables<'_>,
+        h: Heuristic,
+        at: &Interaction<'_>,
+        sample: &BsdfSample,
+        cosine: f32,
+        is_reversible: bool,
+    ) -> PartialWeights {
+        let is_light_walk = self.mode == mode::IMPORTANCE;
+        let hat = at.eval_cosine_pdf_both(tables, sample.wo, is_light_walk);
+        if !(hat.value.max_element() > 0.0) || !(hat.pdf > 0.0) {
+            return PartialWeights::NONE;
+        }
+        let weights = self.arrived.scatter(h, hat.pdf, hat.pdf_reverse, cosine);
+        PartialWeights {
+            d_vcm: weights.d_vcm,
+            d_vc: if is_reversible { weights.d_vc } else { 0.0 },
+        }
     }
 
     /// Factor on the weight of a specular sample: one for radiance, the adjoint correction and eta^2 for importance.

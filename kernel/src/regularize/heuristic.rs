@@ -90,6 +90,23 @@ pub fn smooth_quality_threshold(tau: f32, q: f32, off: f32) -> f32 {
     divide(tau, x * x * (3.0 - 2.0 * x))
 }
 
+/// The share in [0, 1] of a path's contribution that is regularised: all of it for `q >= tau^2`, nothing below `off tau^2`, the
+/// smooth step in between. It fades the contribution where [`smooth_quality_threshold`] fades tau: the sum over all strategies
+/// of their regularised weights, and that of their plain ones, is one each, and so is any mixture that depends on the path
+/// alone. Both can be had by recursion, weights for a tau of each path cannot.
+#[inline]
+pub fn quality_share(tau: f32, q: f32, off: f32) -> f32 {
+    let ratio = relative_quality(tau, q);
+    if ratio >= 1.0 {
+        return 1.0;
+    }
+    if !(ratio > off) {
+        return 0.0;
+    }
+    let x = (ratio - off) / (1.0 - off);
+    x * x * (3.0 - 2.0 * x)
+}
+
 /// q / tau^2.
 #[inline]
 fn relative_quality(tau: f32, q: f32) -> f32 {

@@ -11,6 +11,8 @@
 //! | [`bandwidth`] | how width shrinks: `r_0 n^-lambda`, `r_0 gamma^n`, `tau_N` |
 //! | [`bounds`] | how large a microfacet BSDF can be for its roughness, and the roughness for a largest value |
 //! | [`regularized_bsdf`] | a lobe or material evaluated below tau, and its density for multiple importance sampling |
+//! | [`both_ways`] | the same of a material with the densities of both directions |
+//! | [`settings`] | what a run is asked for, and what one sample has |
 //! | [`heuristic`] | where a path needs it: sampler quality and path diffusion |
 //! | [`virtual_merge`] | the alternative by random acceptance |
 //!
@@ -45,9 +47,11 @@
 //! - Jendersie and Grosch, equation 20: the footprint grows by the deviation after scattering; `regularize_heuristic`.
 
 pub mod bandwidth;
+pub mod both_ways;
 pub mod bounds;
 pub mod cone;
 pub mod heuristic;
 pub mod mollifier;
 pub mod regularized_bsdf;
+pub mod settings;
 pub mod virtual_merge;

@@ -242,8 +242,8 @@ pub fn mixture_eval_cosine_pdf(
     let mut f = Rgb::ZERO;
     let mut p = 0.0;
     for i in 0..bsdf.lobe_count() {
-        let lobe = bsdf.lobe(i);
-        let (lobe_f, lobe_p) = eval_cosine_pdf(&lobe, data, wi, wo, tau);
+        let lobe = bsdf.lobe_at(i);
+        let (lobe_f, lobe_p) = eval_cosine_pdf(lobe, data, wi, wo, tau);
         f += lobe_f * lobe.weight;
         p += lobe_p * bsdf.selection(i);
     }

@@ -8,6 +8,7 @@
 //! | [`path`], [`direct`], [`ambient_occlusion`] | algorithms: radiance along a ray |
 //! | [`bidirectional`] | bidirectional path tracing and light tracing |
 //! | [`aov`] | surface features of a camera sample |
+//! | [`regularized_path`] | path tracing whose next event estimation is regularised |
 //! | [`connection`] | next event estimation |
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
 //! | [`pixel`] | one sample of a pixel by the algorithm of the settings |
@@ -27,6 +28,7 @@ pub mod markov;
 pub mod path;
 pub mod photon;
 pub mod pixel;
+pub mod regularized_path;
 pub mod settings;
 pub mod staged;
 #[cfg(not(target_arch = "spirv"))]

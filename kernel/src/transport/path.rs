@@ -163,7 +163,7 @@ pub struct SinglePath<'a, T: Traverse, S> {
     pub(super) point: SurfacePoint,
     pub(super) sample: BsdfSample,
     lobe: u32,
-    light: DirectSample,
+    pub(super) light: DirectSample,
 }
 
 impl<'a, T: Traverse, S> SinglePath<'a, T, S> {
@@ -198,13 +198,20 @@ impl<'a, T: Traverse, S> SinglePath<'a, T, S> {
     }
 
     #[inline]
-    fn interaction(&self) -> Interaction<'_> {
+    pub(super) fn interaction(&self) -> Interaction<'_> {
         Interaction::new(&self.point, self.bsdf, self.path.subpath.ray.direction)
     }
 
     #[inline]
-    fn is_lit(&self) -> bool {
+    pub(super) fn is_lit(&self) -> bool {
         self.next == step::SCATTER && self.bsdf.has_smooth()
+    }
+}
+
+impl<T: Traverse, S: Sampler> SinglePath<'_, T, S> {
+    #[inline]
+    pub(super) fn choose_light(&mut self) {
+        self.light = sample_light(&self.view.tables, self.sampler, &self.point);
     }
 }
 
@@ -229,7 +236,7 @@ impl<T: Traverse, S: Sampler> Shading for SinglePath<'_, T, S> {
     #[inline]
     fn sample_emitter(&mut self) {
         if self.is_lit() {
-            self.light = sample_light(&self.view.tables, self.sampler, &self.point);
+            self.choose_light();
         }
     }
 

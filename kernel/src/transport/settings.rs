@@ -3,6 +3,7 @@
 //! Plain data of 32-bit words, because shaders read them too.
 
 use crate::path::rules::PathRules;
+pub use crate::regularize::settings::RegularizationSettings;
 use crate::scene::NONE;
 use crate::transport::photon::schedule::OPTIMAL_ALPHA;
 use crate::transport::photon::statistics;
@@ -50,6 +51,9 @@ pub struct IntegratorSettings {
     pub photon: PhotonSettings,
     /// Of Metropolis chains.
     pub chains: ChainSettings,
+    /// Of regularisation, in the algorithms that connect subpaths: [`integrator_kind::PATH`], [`integrator_kind::BIDIRECTIONAL`] and
+    /// [`integrator_kind::VERTEX_MERGING`].
+    pub regularization: RegularizationSettings,
 }
 
 /// Parameters of direct illumination.
@@ -257,5 +261,6 @@ impl IntegratorSettings {
         bidirectional: BidirectionalSettings::DEFAULT,
         photon: PhotonSettings::DEFAULT,
         chains: ChainSettings::DEFAULT,
+        regularization: RegularizationSettings::NONE,
     };
 }

@@ -2,6 +2,7 @@
 
 use super::chain_args::ChainArgs;
 use super::photon_args::PhotonArgs;
+use super::regularization_args::RegularizationArgs;
 use crate::render::{Shape, shape};
 use crate::scene::build::Scene;
 use clap::{Args, ValueEnum};
@@ -33,6 +34,9 @@ pub struct EstimatorArgs {
     /// Of Markov chains.
     #[command(flatten)]
     pub chains: ChainArgs,
+    /// Of regularisation.
+    #[command(flatten)]
+    pub regularization: RegularizationArgs,
 }
 
 impl EstimatorArgs {
@@ -43,6 +47,7 @@ impl EstimatorArgs {
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         self.photons.apply(scene)?;
         self.chains.apply(scene)?;
+        self.regularization.apply(scene)?;
         let is_used = self.heuristic.is_some() || self.strategies.is_some();
         if is_used && shape(scene.settings.kind) != Shape::Splats {
             return Err(

@@ -20,6 +20,7 @@ mod output_file;
 pub mod photon_args;
 mod preview;
 pub mod processor;
+pub mod regularization_args;
 pub mod render;
 pub mod render_args;
 mod render_observer;

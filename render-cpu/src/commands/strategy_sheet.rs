@@ -51,6 +51,9 @@ pub fn run(
     }
     let mut scene = args.scene.load()?;
     args.estimator.apply(&mut scene)?;
+    if scene.settings.regularization.is_some() {
+        return Err("--strategy-sheet shows strategies without regularisation".into());
+    }
     if scene.settings.kind != integrator_kind::BIDIRECTIONAL {
         return Err(format!(
             "--strategy-sheet shows the strategies of bdpt (--integrator bdpt), not of {}",

@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 use halflight_kernel::math::Rgb;
 use halflight_kernel::path::visibility::contribution_transmittance;
 use halflight_kernel::path::{Contribution, Interaction, PathVertex, Walk};
+use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::emitter::emission::EmissionSample;
 use halflight_kernel::scene::traverse::Traverse;
@@ -104,12 +105,13 @@ impl BidirectionalWorkspace {
         }
     }
 
-    /// Takes the samples of a tile, at most [`RAYS`], among photons to merge if there are any; what they give replaces what
-    /// `out` held.
+    /// Takes the samples of a tile, at most [`RAYS`], among photons to merge if there are any, all with the regularisation of
+    /// their layer; what they give replaces what `out` held.
     pub fn run<T: Traverse, S: LaneSampler>(
         &mut self,
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
+        regularization: Regularization,
         photons: Option<&PassPhotons<'_>>,
         samples: &mut [TileSample<S>],
         out: &mut TileSamples,
@@ -121,7 +123,7 @@ impl BidirectionalWorkspace {
         if settings.rules.max_depth == 0 {
             return;
         }
-        let mut algorithm = Bidirectional::new(&view.tables, settings);
+        let mut algorithm = Bidirectional::new(&view.tables, settings).regularized(regularization);
         if let Some(photons) = photons {
             algorithm = algorithm.merging(photons.radius, photons.emitted, photons.density);
         }

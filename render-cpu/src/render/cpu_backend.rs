@@ -207,7 +207,7 @@ fn sample_tiles<T: Traverse + Sync, S: LaneSampler + Send>(
         }
         let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
         let workspace = lock().pop();
-        let mut workspace = workspace.unwrap_or_else(Workspace::new);
+        let mut workspace = workspace.unwrap_or_else(|| Workspace::new(job.settings));
         if job.sample_tile(&mut workspace, &mut tile, count, &new) == PassEnd::Cut {
             is_cut.store(true, Ordering::Relaxed);
         }

@@ -19,6 +19,7 @@ mod photon_statistics;
 mod pilot;
 pub mod progress;
 pub mod record;
+mod regularized_paths;
 pub mod run_loop;
 mod splat;
 mod splatting;

@@ -19,6 +19,7 @@ use super::tile_job::surface_sample;
 use crate::film::Film;
 use glam::Vec3;
 use halflight_kernel::path::PhotonDensity;
+use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -123,7 +124,15 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     let tile = tiles[task % tiles.len()];
                     let mut samples = tile_samples(view, options.seed, layer, tile, &new);
                     let mut out = TileSamples::default();
-                    workspace.run(view, settings, photons.as_ref(), &mut samples, &mut out);
+                    let own = regularization(view, settings, layer);
+                    workspace.run(
+                        view,
+                        settings,
+                        own,
+                        photons.as_ref(),
+                        &mut samples,
+                        &mut out,
+                    );
                     lock().push(workspace);
                     stop.took(samples.len());
                     Some(TaskResult::new(tile, out, &filter, film.height()))
@@ -157,6 +166,15 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     PassEnd::Complete
 }
 
+/// The regularisation of a layer: that of the sample with its index.
+fn regularization<T: Traverse>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    layer: u32,
+) -> Regularization {
+    Regularization::of_sample(&settings.regularization, view.tables.info.radius, layer)
+}
+
 /// The photons that a layer merges.
 fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     view: &SceneView<'_, T>,
@@ -170,7 +188,9 @@ fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
 ) -> Option<SortedPhotons> {
     let emitted = light_walks(&view.tables, settings);
     let radius = pass_radius(&view.tables, settings, layer);
-    let algorithm = Bidirectional::new(&view.tables, settings).merging(radius, emitted, density);
+    let algorithm = Bidirectional::new(&view.tables, settings)
+        .merging(radius, emitted, density)
+        .regularized(regularization(view, settings, layer));
     let photons = PhotonTask {
         view,
         tracer: merging_tracer(&algorithm.connector),

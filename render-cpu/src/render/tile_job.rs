@@ -5,9 +5,11 @@
 
 use super::backend::PassEnd;
 use super::options::RenderOptions;
+use super::regularized_paths::RegularizedPaths;
 use super::stop::Stop;
 use crate::film::FilmTile;
 use crate::film::aov::AovSample;
+use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{LaneSampler, Sampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -50,18 +52,29 @@ struct Run {
 /// What a thread needs for its tiles.
 pub struct Workspace<S> {
     wave: Box<Wavefront<S, SLOTS>>,
+    /// In the wave's place where connections are regularised.
+    regularized: Option<RegularizedPaths<S>>,
     runs: Vec<Run>,
     /// The numbers of those samples from the first on, where surfaces are wanted.
     samplers: Vec<S>,
 }
 
 impl<S: LaneSampler> Workspace<S> {
-    /// Room for a wave.
-    pub fn new() -> Workspace<S> {
+    /// Room for a wave of paths by the settings.
+    pub fn new(settings: &IntegratorSettings) -> Workspace<S> {
+        let is_regularized = settings.regularization.is_some();
         Workspace {
             wave: bytemuck::zeroed_box(),
+            regularized: is_regularized.then(RegularizedPaths::new),
             runs: Vec::with_capacity(SLOTS),
             samplers: Vec::with_capacity(SLOTS),
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        match &self.regularized {
+            None => self.wave.is_full(),
+            Some(paths) => paths.is_full(),
         }
     }
 }
@@ -107,13 +120,22 @@ impl<T: Traverse> TileJob<'_, T> {
                 let mut done = 0;
                 while done < count {
                     let left = count - done;
-                    let taken = workspace.wave.push_samples(pixel, left, |i| new(done + i));
+                    let taken = match &mut workspace.regularized {
+                        None => workspace.wave.push_samples(pixel, left, |i| new(done + i)),
+                        Some(paths) => {
+                            let sample = |i: u32| {
+                                let index = first.wrapping_add(done + i);
+                                (new(done + i), self.regularization(index))
+                            };
+                            paths.push_samples(self.view, self.settings, pixel, left, sample)
+                        }
+                    };
                     workspace.runs.push(Run { x, y, count: taken });
                     if self.needs_surface {
                         workspace.samplers.extend((done..done + taken).map(new));
                     }
                     done += taken;
-                    if workspace.wave.is_full() {
+                    if workspace.is_full() {
                         self.finish(tile, workspace);
                         if self.stop.is_set() {
                             return PassEnd::Cut;
@@ -126,6 +148,12 @@ impl<T: Traverse> TileJob<'_, T> {
         PassEnd::Complete
     }
 
+    /// The regularisation of the sample with an index.
+    fn regularization(&self, sample: u32) -> Regularization {
+        let radius = self.view.tables.info.radius;
+        Regularization::of_sample(&self.settings.regularization, radius, sample)
+    }
+
     /// Coordinates in the whole film of a pixel of the window.
     fn pixel(&self, x: u32, y: u32) -> [u32; 2] {
         let [left, top] = self.view.tables.camera.crop_offset;
@@ -134,7 +162,10 @@ impl<T: Traverse> TileJob<'_, T> {
 
     /// Traces the wave and adds its samples.
     fn finish<S: LaneSampler>(&self, tile: &mut FilmTile<'_>, workspace: &mut Workspace<S>) {
-        let mut radiance = workspace.wave.run(self.simd, self.view, self.settings);
+        let mut radiance = match &mut workspace.regularized {
+            None => workspace.wave.run(self.simd, self.view, self.settings),
+            Some(paths) => paths.run(self.view, self.settings),
+        };
         self.stop.took(radiance.len());
         let mut samplers = workspace.samplers.drain(..);
         for run in workspace.runs.drain(..) {

@@ -12,7 +12,7 @@ use halflight_kernel::scene::{
 };
 use halflight_kernel::transport::settings::{
     BidirectionalSettings, ChainSettings, DirectSettings, IntegratorSettings, OcclusionSettings,
-    PhotonSettings,
+    PhotonSettings, RegularizationSettings,
 };
 
 /// Word `i` of a table. As a float it is a normal number, which no device rounds.
@@ -110,7 +110,7 @@ layouts! {
     }
     info, SceneInfo { center, radius, environment, srgb_table, flags }
     settings, IntegratorSettings {
-        kind, rules, direct, occlusion, bidirectional, photon, chains
+        kind, rules, direct, occlusion, bidirectional, photon, chains, regularization
     }
     rules, PathRules { max_depth, rr_depth, hide_emitters, strict_normals }
     direct, DirectSettings { emitter_samples, bsdf_samples }
@@ -122,6 +122,7 @@ layouts! {
         lens_weight, caustic_weight, multi_chain_weight, manifold_weight, half_vector_weight, lambda, half_vector_flags,
         half_vector_step
     }
+    regularization, RegularizationSettings { tau, radius, exponent, kernel, flags, fade }
     constants, SceneConstants { camera, info, settings }
     item, WorkItem { pixel, sample, slot }
     dispatch, Dispatch { count, seed, sampler, first }

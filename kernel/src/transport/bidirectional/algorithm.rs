@@ -6,7 +6,9 @@ use crate::path::{
     Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, PhotonDensity,
     ShadingPoint, Strategies, Walk,
 };
+use crate::regularize::settings::Regularization;
 use crate::sampler::Sampler;
+use crate::scene::emitter;
 use crate::scene::emitter::emission::{self, EmissionSample};
 use crate::scene::{Hit, NONE, Tables, camera};
 use crate::transport::photon::merging::merging_share;
@@ -82,6 +84,7 @@ impl<'a> Bidirectional<'a> {
                     unweighted: traces_light || own.unweighted != 0,
                 },
                 photons: PhotonDensity::unknown(tables),
+                regularization: Regularization::NONE,
             },
             has_camera_walks: !traces_light,
         }
@@ -98,6 +101,13 @@ impl<'a> Bidirectional<'a> {
     ) -> Bidirectional<'a> {
         self.connector.strategies.heuristic.merging = merging_share(radius, emitted);
         self.connector.photons = photons;
+        self
+    }
+
+    /// With the regularisation of a sample.
+    #[must_use]
+    pub fn regularized(mut self, regularization: Regularization) -> Bidirectional<'a> {
+        self.connector.regularization = regularization;
         self
     }
 
@@ -130,6 +140,14 @@ impl<'a> Bidirectional<'a> {
         }
     }
 
+    /// The vertex at which a walk has arrived, as it is connected.
+    #[inline]
+    fn interaction<'p>(&self, site: &'p ShadingPoint, walk: &Walk) -> Interaction<'p> {
+        let own = &self.connector.regularization;
+        site.interaction(walk.subpath.ray.direction)
+            .regularized(own.tau, own.flags)
+    }
+
     /// One bounce of a light walk, from what its ray meets to its next ray: hands on what it adds, keeps the vertex in
     /// `store`, with `last` the index of the walk's vertex before and then of this, and scatters. Says what is next,
     /// [`step::TRACE`] or [`step::END`]. `site` is room for the surface.
@@ -154,10 +172,14 @@ impl<'a> Bidirectional<'a> {
         if next != step::SCATTER {
             return next;
         }
-        let at = site.interaction(walk.subpath.ray.direction);
-        if at.bsdf.has_smooth() {
+        let at = self.interaction(site, walk);
+        let is_mollified = connector.mollifies(&at);
+        if at.is_connectable() || is_mollified {
             if connector.strategies.light_image {
                 let u_lens = self.lens_numbers(sampler);
+                if is_mollified {
+                    add_some(&mut add, connector.mollified_to_lens(walk, &at, u_lens));
+                }
                 let seen =
                     connector.to_lens(walk.subpath.throughput, walk.arrived, edges, &at, u_lens);
                 if seen.is_some() {
@@ -208,17 +230,27 @@ impl<'a> Bidirectional<'a> {
         if next != step::SCATTER {
             return (found, next);
         }
-        let at = points.own.interaction(walk.subpath.ray.direction);
+        let at = self.interaction(&points.own, walk);
         // Merging is none of the strategies that can be shown alone.
-        if at.bsdf.has_smooth() && connector.strategies.shows_all() {
+        if at.is_connectable() && connector.strategies.shows_all() {
             found += merge(walk, &at);
         }
-        if at.bsdf.has_smooth() && connector.strategies.heuristic.connects {
+        let is_mollified = connector.mollifies(&at);
+        let is_connected = at.is_connectable() || is_mollified;
+        if is_connected && connector.strategies.heuristic.connects {
             let lit = if connector.strategies.sample_direct {
                 let u_select = sampler.next_1d();
                 let u = sampler.next_2d();
+                if is_mollified {
+                    let light = emitter::sample_direct(tables, at.point.position, u_select, u);
+                    add_some(&mut add, connector.mollified_lit(walk, &at, &light));
+                }
                 connector.next_event(walk, &at, u_select, u)
             } else {
+                if is_mollified {
+                    let light = connector.start_of(light.start, at.point.position);
+                    add_some(&mut add, connector.mollified_lit(walk, &at, &light));
+                }
                 connector.start_event(walk, &at, light.start)
             };
             if lit.is_some() {
@@ -241,6 +273,7 @@ impl<'a> Bidirectional<'a> {
         add: &mut impl FnMut(Contribution),
     ) {
         let connector = &self.connector;
+        let own = &connector.regularization;
         let facing = at.facing();
         let mut index = light.last;
         while index != NONE {
@@ -256,11 +289,24 @@ impl<'a> Bidirectional<'a> {
                 continue;
             }
             let direction = vertex.look_up(connector.tables, site);
-            let end = LightEnd::new(&vertex, site.interaction(direction));
+            let end = LightEnd::new(
+                &vertex,
+                site.interaction(direction).regularized(own.tau, own.flags),
+            );
             let joined = connector.inner(&end, walk, at);
             if joined.is_some() {
                 add(joined);
             }
+            if connector.mollifies(at) || connector.mollifies(&end.at) {
+                add_some(add, connector.mollified_inner(&end, walk, at));
+            }
         }
+    }
+}
+
+#[inline]
+fn add_some(add: &mut impl FnMut(Contribution), contribution: Contribution) {
+    if contribution.is_some() {
+        add(contribution);
     }
 }

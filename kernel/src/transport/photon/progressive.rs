@@ -35,6 +35,7 @@ use crate::path::{
     Strategies, Walk,
 };
 use crate::regularize::mollifier;
+use crate::regularize::settings::Regularization;
 use crate::sampler::Sampler;
 use crate::scene::{Hit, NONE, Tables};
 use crate::transport::settings::{IntegratorSettings, integrator_kind};
@@ -102,6 +103,7 @@ impl<'a> Progressive<'a> {
                     unweighted: false,
                 },
                 photons: PhotonDensity::unknown(tables),
+                regularization: Regularization::NONE,
             },
             gather_roughness: settings.photon.gather_roughness,
         }

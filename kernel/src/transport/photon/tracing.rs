@@ -3,9 +3,8 @@
 //! Walks start and scatter as those of bidirectional path tracing; a photon is kept where a camera walk may gather it.
 
 use super::cache::Photon;
-use crate::bsdf::Bsdf;
 use crate::path::rules::step;
-use crate::path::{Connector, ShadingPoint, Walk};
+use crate::path::{Connector, Interaction, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::Hit;
 use crate::scene::emitter::emission::{self, EmissionSample};
@@ -63,18 +62,21 @@ impl PhotonTracer<'_> {
             d_vc: walk.arrived.d_vc,
             depth: walk.subpath.depth + 1,
         };
-        if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(&site.bsdf, &photon) {
+        let at = site
+            .interaction(direction)
+            .regularized(connector.regularization.tau, connector.regularization.flags);
+        if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(&at, &photon) {
             store.push(point.position, &photon);
         }
         let h = connector.heuristic_at(point.position);
-        let at = site.interaction(direction);
         walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
     }
 
     /// Whether a camera walk gathers photons at a surface: at rough ones all, at others those whose paths nothing else finds.
     #[inline]
-    fn may_gather(&self, bsdf: &Bsdf, photon: &Photon) -> bool {
-        bsdf.has_smooth() && (bsdf.roughness() >= self.least_roughness || is_the_only_way(photon))
+    fn may_gather(&self, at: &Interaction<'_>, photon: &Photon) -> bool {
+        at.is_connectable()
+            && (at.bsdf.roughness() >= self.least_roughness || is_the_only_way(photon))
     }
 }
 

@@ -5,12 +5,13 @@
 
 use super::chain_settings::{read_chains, redistribute, with_half_vectors, with_manifold};
 use super::options::BuildOptions;
+use super::regularization;
 use crate::film::aov::{Aov, AovSet};
 use crate::integrators::{self, INTEGRATORS};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::transport::markov::primary_space::technique;
-use halflight_kernel::transport::settings::PhotonSettings;
+use halflight_kernel::transport::settings::{PhotonSettings, RegularizationSettings};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use std::sync::Arc;
 
@@ -62,6 +63,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         settings.bidirectional.sample_direct = object.get_bool("sample_direct", true)?.into();
         read_photon_settings(object, &mut settings.photon)?;
         read_chains(object, &mut settings.chains)?;
+        regularization::read(object, &mut settings.regularization)?;
         // Mitsuba 0.6: -1 takes half of the scene's size.
         let length = object.get_float("ray_length", -1.0)?;
         if length > 0.0 {
@@ -105,6 +107,12 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
                 || SceneError::Request("no samples".to_string()),
                 |o| o.error("needs at least one emitter or BSDF sample"),
             ));
+        }
+    }
+    if let Some(reason) = regularization::refusal(&settings) {
+        settings.regularization = RegularizationSettings::NONE;
+        if let Some(object) = object {
+            object.warn(format!("{reason}; \"{name}\" runs without"))?;
         }
     }
     Ok(Integrator {

@@ -13,6 +13,7 @@ mod integrator;
 mod material;
 mod options;
 mod reading;
+pub mod regularization;
 mod selection;
 mod sensor;
 mod shape;

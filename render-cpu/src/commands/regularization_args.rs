@@ -1,0 +1,37 @@
+//! Arguments of regularisation, instead of what the scene says.
+
+use crate::scene::build::Scene;
+use crate::scene::build::regularization::{parse_mollify, parse_regularize, refusal};
+use clap::Args;
+use halflight_kernel::transport::settings::RegularizationSettings;
+
+/// What the command line changes about regularisation.
+#[derive(Args, Clone, Debug)]
+pub struct RegularizationArgs {
+    /// Blur shiny materials where paths are connected, less with every sample, so that light behind them is found: tau=T is the
+    /// largest value of a BSDF in the first sample (10 to 100, higher is sharper and noisier); constant keeps it; lights=all
+    /// samples every emitter (path); tau=inf switches it off.
+    #[arg(help_heading = "Algorithm", long, value_name = "tau=T,..", value_parser = parse_regularize, conflicts_with = "mollify")]
+    pub regularize: Option<RegularizationSettings>,
+    /// Blur specular surfaces where nothing else finds the light, less with every sample: r0=R is the radius in the first sample,
+    /// 1% of the scene's or a length; lambda, kernel, constant and lights=all as well; r0=0 switches it off.
+    #[arg(help_heading = "Algorithm", long, value_name = "r0=R,..", value_parser = parse_mollify)]
+    pub mollify: Option<RegularizationSettings>,
+}
+
+impl RegularizationArgs {
+    /// Changes the scene's settings.
+    ///
+    /// # Errors
+    /// If an algorithm without connections of its own will run.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
+        let Some(asked) = self.regularize.or(self.mollify) else {
+            return Ok(());
+        };
+        scene.settings.regularization = asked;
+        match refusal(&scene.settings) {
+            Some(reason) => Err(reason),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Regularisation as text, in scene files and on the command line: `tau=30`, `r0=1%,kernel=constant`.
+
+use crate::integrators::INTEGRATORS;
+use crate::scene::error::SceneError;
+use crate::scene::xml::Object;
+use halflight_kernel::regularize::bandwidth::{TAU_MAX, TAU_MIN, is_consistent};
+use halflight_kernel::regularize::mollifier;
+use halflight_kernel::regularize::settings::{RegularizationSettings, flag};
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
+
+/// Dimensions of what is mollified: the direction at one vertex.
+const DIMENSIONS: u32 = 2;
+
+/// Whether the algorithm's connections can be regularised.
+fn can_be_regularized(settings: &IntegratorSettings) -> bool {
+    let merges = settings.kind == integrator_kind::VERTEX_MERGING;
+    let connects = settings.photon.connections != 0;
+    settings.kind == integrator_kind::PATH
+        || settings.kind == integrator_kind::BIDIRECTIONAL
+        || merges && connects
+}
+
+/// Why an algorithm cannot be regularised as its settings ask, in one sentence.
+pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
+    let own = &settings.regularization;
+    let by_walk = flag::QUALITY | flag::DIFFUSION | flag::ALL_LIGHTS;
+    if !own.is_some() {
+        None
+    } else if !can_be_regularized(settings) {
+        Some(format!(
+            "regularize and mollify are for algorithms that connect paths: {}",
+            regularized_names()
+        ))
+    } else if own.flags & by_walk != 0 && settings.kind != integrator_kind::PATH {
+        Some("quality, diffusion and lights=all are for path".to_string())
+    } else {
+        None
+    }
+}
+
+/// The names of those algorithms.
+fn regularized_names() -> String {
+    let of = |kind: u32| {
+        let mut settings = IntegratorSettings::PATH;
+        settings.kind = kind;
+        can_be_regularized(&settings)
+    };
+    let names: Vec<_> = INTEGRATORS
+        .iter()
+        .filter(|i| of(i.kind) && i.name != "vm")
+        .map(|i| i.name)
+        .collect();
+    names.join(", ")
+}
+
+/// What the plugin says: `regularize` and `mollify`.
+///
+/// # Errors
+/// If it cannot be understood.
+pub(super) fn read(
+    object: &Object,
+    regularization: &mut RegularizationSettings,
+) -> Result<(), SceneError> {
+    for (name, parse) in [
+        ("regularize", parse_regularize as Parse),
+        ("mollify", parse_mollify),
+    ] {
+        let text = object.get_string(name, "")?.to_owned();
+        if !text.is_empty() {
+            if regularization.is_some() {
+                return Err(object.error("takes one of regularize and mollify, not both"));
+            }
+            *regularization =
+                parse(&text).map_err(|error| object.error(format!("{name}: {error}")))?;
+        }
+    }
+    Ok(())
+}
+
+type Parse = fn(&str) -> Result<RegularizationSettings, String>;
+
+/// Regularisation of microfacet models: tau, and what follows it.
+///
+/// # Errors
+/// What was expected.
+pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
+    let mut own = RegularizationSettings::NONE;
+    for word in text.split(',').map(str::trim) {
+        match word.split_once('=') {
+            Some(("tau", "inf")) => own.tau = TAU_MAX,
+            Some(("tau", value)) => {
+                own.tau = number(value, |v| v >= f64::from(TAU_MIN))
+                    .ok_or("tau is a value per steradian, 0.16 or more, or inf")?
+                    .min(f64::from(TAU_MAX)) as f32;
+            }
+            Some(("fade", value)) => {
+                own.fade = number(value, |v| (0.0..=1.0).contains(&v))
+                    .ok_or("fade lies between 0 and 1")? as f32;
+                own.flags |= flag::QUALITY;
+            }
+            None if word == "quality" => own.flags |= flag::QUALITY,
+            Some(("weights", "plain")) => own.flags |= flag::PLAIN_WEIGHTS,
+            None if word == "diffusion" => own.flags |= flag::DIFFUSION,
+            _ => shared(
+                word,
+                &mut own,
+                "tau=30, quality, fade=0.5, diffusion, constant and lights=all",
+            )?,
+        }
+    }
+    Ok(own)
+}
+
+/// Regularisation of path space: the radius r0, and what follows it.
+///
+/// # Errors
+/// What was expected.
+pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
+    let mut own = RegularizationSettings::NONE;
+    for word in text.split(',').map(str::trim) {
+        match word.split_once('=') {
+            Some(("r0", value)) => {
+                let (value, unit) = match value.strip_suffix('%') {
+                    Some(share) => (share, 0.01),
+                    None => (value, 1.0),
+                };
+                let r0 = number(value, |v| (0.0..1e30).contains(&v))
+                    .ok_or("r0 is a length, or as in 1% a share of the scene's radius")?;
+                own.radius = (r0 * unit) as f32;
+                if unit < 1.0 {
+                    own.flags |= flag::RELATIVE_RADIUS;
+                }
+            }
+            Some(("lambda", value)) => {
+                own.exponent = number(value, |v| is_consistent(v as f32, DIMENSIONS))
+                    .ok_or("lambda lies between 0 and 1/2")? as f32;
+            }
+            Some(("kernel", name)) => {
+                own.kernel = match name {
+                    "constant" => mollifier::CONSTANT,
+                    "parabolic" => mollifier::PARABOLIC,
+                    "quartic" => mollifier::QUARTIC,
+                    "perlin" => mollifier::PERLIN,
+                    _ => return Err("kernels are constant, parabolic, quartic and perlin".into()),
+                };
+            }
+            _ => shared(
+                word,
+                &mut own,
+                "r0=1%, lambda=0.167, kernel=perlin, constant and lights=all",
+            )?,
+        }
+    }
+    Ok(own)
+}
+
+fn shared(word: &str, own: &mut RegularizationSettings, known: &str) -> Result<(), String> {
+    own.flags |= match word {
+        "constant" => flag::CONSTANT,
+        "lights=all" => flag::ALL_LIGHTS,
+        "lights=one" => 0,
+        _ => {
+            return Err(format!(
+                "expected {known}, with commas between, not \"{word}\""
+            ));
+        }
+    };
+    Ok(())
+}
+
+fn number(text: &str, holds: impl Fn(f64) -> bool) -> Option<f64> {
+    text.trim().parse().ok().filter(|v: &f64| holds(*v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_mean_what_they_say() {
+        let own = parse_regularize("tau=30").unwrap();
+        assert!(own.tau == 30.0 && own.flags == 0 && own.is_some());
+        let own = parse_regularize("tau=50, constant,lights=all").unwrap();
+        assert_eq!(own.flags, flag::CONSTANT | flag::ALL_LIGHTS);
+        assert!(!parse_regularize("tau=inf").unwrap().is_some());
+        let own = parse_mollify("r0=1%").unwrap();
+        assert!(own.radius == 0.01 && own.flags == flag::RELATIVE_RADIUS);
+        let own = parse_mollify("r0=0.25,kernel=constant,lambda=0.25").unwrap();
+        assert!(own.radius == 0.25 && own.exponent == 0.25 && own.flags == 0);
+        assert_eq!(own.kernel, mollifier::CONSTANT);
+        assert!(!parse_mollify("r0=0").unwrap().is_some());
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        for (text, part) in [
+            ("tau=0.1", "0.16"),
+            ("tau", "\"tau\""),
+            ("r0=1%", "\"r0=1%\""),
+        ] {
+            let error = parse_regularize(text).unwrap_err();
+            assert!(error.contains(part), "{error}");
+        }
+        for (text, part) in [
+            ("r0=-1", "length"),
+            ("lambda=0.5", "1/2"),
+            ("kernel=x", "perlin"),
+        ] {
+            let error = parse_mollify(text).unwrap_err();
+            assert!(error.contains(part), "{error}");
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! Regularisation in path tracing, bidirectional path tracing, and vertex connection and merging.
+
+mod known_answers;
+mod no_harm;
+mod scenes;
+mod weights;

@@ -46,7 +46,7 @@ fn compare(names: &[&str], budget: Budget, reference: Option<&Reference>) -> Vec
     let mut first = scene(names[0]);
     let integrators: Vec<_> = names
         .iter()
-        .map(|name| (find(name).unwrap(), scene(name).settings))
+        .map(|name| (find(name).unwrap().name.to_owned(), scene(name).settings))
         .collect();
     let accel = Accel::build(first.tables.view(), &first.tables.groups);
     let setup = Setup {

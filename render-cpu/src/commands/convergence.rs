@@ -88,7 +88,7 @@ pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Erro
         let mut with = args.scene.clone();
         with.integrator = Some(integrator.name.to_owned());
         let loaded = with.load()?;
-        integrators.push((integrator, loaded.settings));
+        integrators.push((integrator.name.to_owned(), loaded.settings));
         scene.get_or_insert(loaded);
     }
     let mut scene = scene.ok_or("--integrators names no algorithm")?;

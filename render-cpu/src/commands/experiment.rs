@@ -2,6 +2,7 @@
 
 use super::convergence::{self, ConvergenceArgs};
 use super::output_file;
+use super::regularization_experiment::{self, RegularizationArgs};
 use crate::experiment::{ALL, Experiment};
 use crate::plot::{PlotError, write_png};
 use crate::say::{print, print_line};
@@ -34,6 +35,8 @@ pub struct ExperimentArgs {
 pub enum SceneExperiment {
     /// Compare algorithms on a scene: images of equal processor time against a reference, error over time
     Convergence(Box<ConvergenceArgs>),
+    /// Compare kinds of regularisation on a scene: noise, and relative residuals against a reference
+    Regularization(Box<RegularizationArgs>),
 }
 
 /// Why an experiment did not run.
@@ -56,8 +59,12 @@ fn find(name: &str) -> Option<&'static Experiment> {
 /// # Errors
 /// If the experiment does not exist or its diagrams cannot be written.
 pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
-    if let Some(SceneExperiment::Convergence(args)) = &args.on_scene {
-        return convergence::run(args, quiet);
+    match &args.on_scene {
+        Some(SceneExperiment::Convergence(args)) => return convergence::run(args, quiet),
+        Some(SceneExperiment::Regularization(args)) => {
+            return regularization_experiment::run(args, quiet);
+        }
+        None => {}
     }
     let name = args.name.as_deref().unwrap_or("list");
     if name == "list" {
@@ -66,6 +73,8 @@ pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error
         }
         let about = "algorithms on a scene of yours for the same time; see its --help";
         print_line(format_args!("{:<24}{about}", "convergence"))?;
+        let about = "kinds of regularisation on a scene of yours; see its --help";
+        print_line(format_args!("{:<24}{about}", "regularization"))?;
         return Ok(ExitCode::SUCCESS);
     }
     let Some(experiment) = find(name) else {

@@ -21,6 +21,7 @@ pub mod photon_args;
 mod preview;
 pub mod processor;
 pub mod regularization_args;
+pub mod regularization_experiment;
 pub mod render;
 pub mod render_args;
 mod render_observer;

@@ -10,6 +10,7 @@ pub mod convergence;
 mod fit;
 pub mod half_vector_flatness;
 pub mod mollified_estimator;
+pub mod regularization;
 mod report;
 pub mod search;
 pub mod steps;

@@ -75,8 +75,8 @@ fn image(film: &Film) -> RgbImage {
 /// What is compared.
 #[derive(Clone, Copy)]
 pub struct Setup<'a> {
-    /// The algorithms with their settings.
-    pub integrators: &'a [(&'static Integrator, IntegratorSettings)],
+    /// The algorithms, by the names that they have in the results, with their settings.
+    pub integrators: &'a [(String, IntegratorSettings)],
     /// What each may spend.
     pub budget: Budget,
     /// Seed of the first images; second ones, without a reference, have the next.
@@ -99,10 +99,10 @@ pub fn run(
     // Pairs stand side by side.
     let runs = if reference.is_some() { 1 } else { 2 };
     let mut runners = Vec::new();
-    for &(integrator, settings) in integrators {
+    for (name, settings) in integrators {
         for twin in 0..runs {
             let seed = setup.seed.wrapping_add(twin);
-            runners.push(Runner::new(integrator.name, scene, settings, seed)?);
+            runners.push(Runner::new(name, scene, *settings, seed)?);
         }
     }
     let mut curves: Vec<Vec<Point>> = vec![Vec::new(); integrators.len()];
@@ -136,7 +136,7 @@ pub fn run(
                 (ShownErrors::new(image, yardstick), map)
             });
             Outcome {
-                name: runs[0].name.to_owned(),
+                name: runs[0].name.clone(),
                 curve,
                 shown,
                 image: image(&runs[0].film),

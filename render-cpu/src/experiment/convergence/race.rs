@@ -34,7 +34,7 @@ pub enum Budget {
 /// An algorithm and its image so far.
 pub struct Runner {
     /// The algorithm's name.
-    pub name: &'static str,
+    pub name: String,
     /// The image.
     pub film: Film,
     /// How far it is.
@@ -51,7 +51,7 @@ impl Runner {
     /// # Errors
     /// If the film cannot be made.
     pub fn new(
-        name: &'static str,
+        name: &str,
         scene: &Scene,
         settings: IntegratorSettings,
         seed: u32,
@@ -59,7 +59,7 @@ impl Runner {
         let camera = &scene.tables.camera;
         let [width, height] = camera.crop_size;
         Ok(Runner {
-            name,
+            name: name.to_owned(),
             film: Film::new(width, height, camera.crop_offset, own_layers(settings.kind))?,
             state: RunState::default(),
             seconds: 0.0,

@@ -15,7 +15,7 @@
 //! | Smith, Beckmann or cosine | 4 pi / alpha^2 | tau^(-1/4) | (4 K / tau)^(1/4) |
 //!
 //! The cosine distribution is [`kinds::PHONG`]; other distributions than these three take Beckmann's here, see
-//! [`super::regularized_bsdf`] for the exponential power distribution.
+//! [`super::power_bounds`] for the exponential power distribution.
 //!
 //! Anisotropic: `1 / (pi alpha_x alpha_y)` is the peak and the smaller alpha bounds masking; the bound falls in both,
 //! so that each axis may be raised to alpha_hat on its own.

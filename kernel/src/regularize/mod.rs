@@ -10,6 +10,7 @@
 //! | [`cone`] | the same on directions: constant and smooth cones around a specular direction |
 //! | [`bandwidth`] | how width shrinks: `r_0 n^-lambda`, `r_0 gamma^n`, `tau_N` |
 //! | [`bounds`] | how large a microfacet BSDF can be for its roughness, and the roughness for a largest value |
+//! | [`power_bounds`] | the same for the exponential power distribution |
 //! | [`regularized_bsdf`] | a lobe or material evaluated below tau, and its density for multiple importance sampling |
 //! | [`both_ways`] | the same of a material with the densities of both directions |
 //! | [`settings`] | what a run is asked for, and what one sample has |
@@ -52,6 +53,7 @@ pub mod bounds;
 pub mod cone;
 pub mod heuristic;
 pub mod mollifier;
+pub mod power_bounds;
 pub mod regularized_bsdf;
 pub mod settings;
 pub mod virtual_merge;

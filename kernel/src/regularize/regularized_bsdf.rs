@@ -15,8 +15,7 @@
 //! Refraction at isotropic boundaries takes the tight bound, which blurs less than equation 9 for the same tau (see
 //! [`bounds`]).
 //!
-//! The exponential power distribution has no bound of its own in the paper: its alpha_hat takes the peak at the normal
-//! and the masking at grazing angles, both of its exponent; for exponents below 1 the tails exceed that.
+//! The exponential power distribution has no bound in the paper, its own is in [`super::power_bounds`].
 //!
 //! Multiple importance sampling takes the artificial density `p_hat = (f_hat / f) p` (equation 13), p that of the
 //! technique which the walk would have used. It is the density of the regularised lobe times a ratio of masking, for
@@ -32,11 +31,11 @@
 //! grows.
 
 use super::bandwidth::TAU_MAX;
-use super::{bounds, cone, mollifier};
+use super::{bounds, cone, mollifier, power_bounds};
 use crate::bsdf::microfacet::Microfacets;
 use crate::bsdf::{Bsdf, Lobe, lobe, plastic, rough_dielectric, rough_plastic};
 use crate::math::Rgb;
-use crate::math::float::{abs, sqrt};
+use crate::math::float::abs;
 use crate::scene::{NONE, distribution as kinds, lobe_flag, lobe_kind};
 use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
@@ -71,8 +70,7 @@ pub fn alpha_hat(lobe: &Lobe, transmission: bool, tau: f32) -> f32 {
         } else {
             1.0
         };
-        let ratio = (unit_bound(lobe) / tau.max(1e-12) * factor).min(1e36);
-        return sqrt(sqrt(ratio)).min(bounds::ALPHA_MAX);
+        return power_bounds::alpha_hat(unit_bound(lobe) * factor, lobe.exponent, tau);
     }
     if !(refracts && transmission) {
         return bounds::reflection_alpha(bounds::SMITH, distribution, tau);
@@ -94,7 +92,7 @@ fn distribution_of(lobe: &Lobe) -> u32 {
     }
 }
 
-/// Bound of reflection at alpha = 1: `D(n) / (4 A^2)`, A the projected area at grazing angles. It falls as alpha^-4.
+/// `D(n) / (4 A^2)` at alpha = 1, A the projected area at grazing angles: U of [`super::power_bounds`].
 #[inline]
 fn unit_bound(lobe: &Lobe) -> f32 {
     let facets = Microfacets::new(lobe.distribution, Vec2::ONE, lobe.exponent);
@@ -256,7 +254,16 @@ pub fn mixture_eval_cosine_pdf(
 pub fn bound(lobe: &Lobe, transmission: bool) -> f32 {
     let diffuse = lobe.reflectance.max_element() * FRAC_1_PI;
     if transmission && lobe.kind == lobe_kind::ROUGH_DIELECTRIC && !is_index_matched(lobe) {
-        return if is_isotropic(lobe) && lobe.distribution != kinds::EXPONENTIAL_POWER {
+        if lobe.distribution == kinds::EXPONENTIAL_POWER {
+            let factor = 4.0 * bounds::refraction_factor(lobe.eta.x);
+            let bound = reflection(lobe);
+            return if bound < TAU_MAX / factor {
+                bound * factor
+            } else {
+                TAU_MAX
+            };
+        }
+        return if is_isotropic(lobe) {
             bounds::tight_refraction_bound(lobe.distribution, lobe.alpha.x, lobe.eta.x)
         } else {
             bounds::refraction_bound(bounds::SMITH, lobe.distribution, lobe.alpha, lobe.eta.x)
@@ -298,7 +305,8 @@ fn reflection(lobe: &Lobe) -> f32 {
     }
     let alpha = lobe.microfacets().alpha;
     let least = alpha.x.min(alpha.y);
-    (unit_bound(lobe) / alpha.x / alpha.y / (least * least)).min(TAU_MAX)
+    let excess = power_bounds::peak_excess(alpha.x.max(alpha.y), lobe.exponent);
+    (unit_bound(lobe) / alpha.x / alpha.y / (least * least) * excess).min(TAU_MAX)
 }
 
 /// [`bound`] of a material: the weighted sum over its lobes, at most [`TAU_MAX`].

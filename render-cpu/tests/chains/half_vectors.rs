@@ -257,3 +257,57 @@ fn maps_count_all_mutations() {
     assert!(counted.walks.found > 100 && counted.walks.irreversible < counted.walks.found / 2);
     assert!(of(Aov::Iterations).iter().any(|n| *n > 1.0));
 }
+
+/// Mutations that step far, so that chains forget where they started and go where a wrong acceptance leads them.
+fn far() -> Vec<(&'static str, ChainSettings)> {
+    let long = |chains: ChainSettings| ChainSettings {
+        chains: 8,
+        mutations: 512,
+        candidates: 4096,
+        ..chains
+    };
+    let far = |flags: u32| {
+        long(ChainSettings {
+            half_vector_step: 1.5,
+            ..half_vector(flags | half_vector_flag::UNSTRATIFIED)
+        })
+    };
+    let turning = ChainSettings {
+        lambda: 4.0,
+        ..manifold()
+    };
+    vec![
+        ("manifold", long(turning)),
+        ("improved", far(0)),
+        ("original", far(ORIGINAL)),
+    ]
+}
+
+/// The image of paths that all mutations move, from chains that come around: a wrong density of steps, of roughness, of turns or
+/// of the measure or of breaking up moves blocks by far more than their noise.
+#[test]
+fn long_chains_of_far_steps_keep_the_image() {
+    let metal = r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0.12"/></bsdf>"#;
+    let mut results = Vec::new();
+    for (what, content, depth) in [
+        ("two edges", [PINHOLE, &room(metal), LAMP].concat(), 2),
+        ("three edges", [PINHOLE, &room(metal), LAMP].concat(), 3),
+    ] {
+        let mut scene = scene(&content, &[]);
+        scene.settings.rules.max_depth = depth;
+        // A lamp that is seen needs no inner vertex, and its paths would not move.
+        scene.settings.rules.hide_emitters = 1;
+        let settings = settings_of(&scene, integrator_kind::BIDIRECTIONAL);
+        let truth = Batches::render(what, &mut scene, settings, 512);
+        for (name, chains) in far() {
+            let what = format!("{what}, {name}");
+            let settings = IntegratorSettings {
+                chains,
+                ..settings_of(&scene, integrator_kind::VEACH_MLT)
+            };
+            let found = Batches::render(&what, &mut scene, settings, 2);
+            results.push(compare(&what, &truth, &found));
+        }
+    }
+    report(results);
+}

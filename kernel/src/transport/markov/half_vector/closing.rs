@@ -18,10 +18,11 @@ use glam::Vec2;
 /// Capacities of segments, chosen by their length: what is copied in a walk grows with them.
 macro_rules! with_capacity {
     ($len:expr, $n:ident => $body:expr) => {{
-        if $len <= 4 {
+        let len: usize = $len;
+        if len <= 4 {
             const $n: usize = 4;
             $body
-        } else if $len <= 8 {
+        } else if len <= 8 {
             const $n: usize = 8;
             $body
         } else {
@@ -204,6 +205,7 @@ impl Closing<'_> {
 }
 
 /// What has become of a part of a path between ends that stay.
+#[allow(clippy::large_enum_variant)] // On the stack, for as long as a proposal is looked at; there is no heap here.
 pub enum Moved {
     /// There is no new path.
     Nowhere,

@@ -120,9 +120,10 @@ fn choose(plans: &Plans, k: usize, u: f32) -> Plan {
 }
 
 /// A lobe of von Mises and Fisher's around a direction.
-#[derive(Clone, Copy)]
-struct Turn {
-    kappa: f32,
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// Concentration.
+    pub kappa: f32,
 }
 
 impl Turn {
@@ -134,7 +135,8 @@ impl Turn {
         }
     }
 
-    fn sample(&self, direction: Vec3, u: Vec2) -> Vec3 {
+    /// A direction near another.
+    pub fn sample(&self, direction: Vec3, u: Vec2) -> Vec3 {
         // 1 - cos, which the cosine itself would round.
         let height = -ln_1p(u.x * exp_m1(-2.0 * self.kappa)) / self.kappa;
         let sin = sqrt((height * (2.0 - height)).max(0.0));
@@ -145,7 +147,7 @@ impl Turn {
     }
 
     /// Logarithm of the density per solid angle.
-    fn ln_pdf(&self, from: Vec3, to: Vec3) -> f32 {
+    pub fn ln_pdf(&self, from: Vec3, to: Vec3) -> f32 {
         let height = 0.5 * (to - from).length_squared();
         ln(self.kappa / (2.0 * PI * -exp_m1(-2.0 * self.kappa))) - self.kappa * height
     }
@@ -433,56 +435,4 @@ pub fn moved_film(
     let size = Vec2::new(window.crop_size[0] as f32, window.crop_size[1] as f32);
     let inside = film.cmpge(start).all() && film.cmplt(start + size).all();
     inside.then_some(film)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::float::abs;
-
-    #[test]
-    fn plans_start_at_both_ends() {
-        // light, rough, specular, rough, sensor
-        let rough = [false, true, false, true, false];
-        let found = plans(4, &rough, true, false);
-        let expected = [
-            (4, 3, Some(1)),
-            (3, 1, Some(0)),
-            (1, 0, None),
-            (0, 1, Some(3)),
-            (1, 3, Some(4)),
-        ];
-        let found: Vec<_> = found.iter().map(|p| (p.a, p.b, p.c)).collect();
-        assert_eq!(found, expected);
-        // From infinity, and never onto it if it is a direction.
-        let found = plans(2, &[false, true, false], false, true);
-        let found: Vec<_> = found.iter().map(|p| (p.a, p.b, p.c)).collect();
-        assert_eq!(found, [(2, 1, Some(0))]);
-    }
-
-    #[test]
-    fn turns_follow_their_density() {
-        let turn = Turn { kappa: 5.0 };
-        let n = 200_000;
-        // Mean of the cosine, against quadrature of the density.
-        let axis = Vec3::new(0.3, -0.5, 0.8).normalize();
-        let mut mean = 0.0;
-        for i in 0..n {
-            let u = Vec2::new((i as f32 + 0.5) / n as f32, (i as f32 * 0.618_034) % 1.0);
-            mean += f64::from(turn.sample(axis, u).dot(axis)) / f64::from(n);
-        }
-        let steps = 20_000;
-        let (mut sum, mut moment) = (0.0, 0.0);
-        for i in 0..steps {
-            let cos = -1.0 + 2.0 * (i as f32 + 0.5) / steps as f32;
-            let w =
-                Frame::from_normal(axis).to_world(Vec3::new(abs(1.0 - cos * cos).sqrt(), 0.0, cos));
-            let p = f64::from(exp(turn.ln_pdf(axis, w))) * 2.0 * std::f64::consts::PI * 2.0
-                / f64::from(steps);
-            sum += p;
-            moment += p * f64::from(cos);
-        }
-        assert!((sum - 1.0).abs() < 1e-3, "{sum}");
-        assert!((moment - mean).abs() < 1e-3, "{moment} {mean}");
-    }
 }

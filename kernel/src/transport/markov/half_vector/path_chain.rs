@@ -10,6 +10,7 @@ use super::settings::roughness_kind;
 use crate::bsdf::{Bsdf, event, local_beckmann_roughness, mode};
 use crate::manifold::ChainVertex;
 use crate::manifold::constraint::inner_constraint;
+use crate::manifold::step_size::DIFFUSE_ALPHA;
 use crate::math::Ray;
 use crate::path::whole_vertex::Vertex;
 use crate::scene::surface::{detail, surface_with};
@@ -165,7 +166,8 @@ fn inner_vertex(
         } else {
             local_beckmann_roughness(bsdf, tables.data, wc, wl)
         };
-        (wc.z * wl.z < 0.0, alpha)
+        // A diffuse vertex has no roughness to speak of: it steps as a lobe of slope one does.
+        (wc.z * wl.z < 0.0, alpha.min(DIFFUSE_ALPHA))
     } else {
         (vertex.event & event::TRANSMISSION != 0, 0.0)
     };

@@ -47,7 +47,7 @@ impl<const N: usize> Segment<N> {
     }
 
     /// Number of vertices.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.jacobian.len
     }
 }
@@ -81,7 +81,7 @@ pub fn reconnect<T: Traverse, const N: usize>(
     options: &WalkOptions,
     counts: &mut WalkCounts,
 ) -> Option<[ChainVertex; N]> {
-    let len = old.len();
+    let len = old.count();
     counts.walks += 1;
     let start = match moved {
         None => *old,
@@ -114,7 +114,7 @@ fn with_end<const N: usize>(
     end: Option<MovedEnd>,
     form: u32,
 ) -> Segment<N> {
-    let len = old.len();
+    let len = old.count();
     match end {
         Some(MovedEnd::Low(x)) => vertices[0] = x,
         Some(MovedEnd::High(x)) => vertices[len - 1] = x,
@@ -130,7 +130,7 @@ fn solve<T: Traverse, const N: usize>(
     method: Method,
     options: &WalkOptions,
 ) -> Walk<N> {
-    let len = start.len();
+    let len = start.count();
     let is_pinned = |x: &ChainVertex| x.kind == vertex_kind::PINNED_POSITION;
     let has_positions = is_pinned(&start.vertices[0]) && is_pinned(&start.vertices[len - 1]);
     if method == Method::Exploration && has_positions {

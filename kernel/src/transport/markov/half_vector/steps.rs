@@ -94,7 +94,7 @@ pub fn segment_steps<const N: usize>(
     is_limited: bool,
     settings: &HalfVectorSettings,
 ) -> Option<[Step; MAX_VERTICES]> {
-    let len = segment.len();
+    let len = segment.count();
     let none = Step {
         gaussian: SlopeGaussian {
             center: Vec2::ZERO,

@@ -185,6 +185,19 @@ pub fn shape(kind: u32) -> Shape {
         .map_or(Pixels, |i| i.shape)
 }
 
+/// Whether a kind of integrator knows the paths of what it adds, so that path expressions divide its image.
+pub fn divides_paths(kind: u32) -> bool {
+    [
+        PATH,
+        BIDIRECTIONAL,
+        LIGHT_TRACING,
+        PROGRESSIVE_PHOTONS,
+        VERTEX_MERGING,
+        VEACH_MLT,
+    ]
+    .contains(&kind)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,8 @@
 //!
 //! The mathematics is in `halflight-kernel`; this crate reads scenes, meshes and images ([`scene`], [`mesh`],
 //! [`image`]), traces rays ([`accel`]), drives samples over threads ([`mod@render`]), keeps them ([`film`]), and
-//! writes, merges and compares images ([`image`], [`compare`]), and divides one image among machines ([`farm`]).
+//! writes, merges and compares images ([`image`], [`compare`]), divides them by path expressions ([`expression`]), and one image
+//! among machines ([`farm`]).
 //! The command `halflight` is [`commands`].
 //!
 //! ```
@@ -27,6 +28,7 @@ pub mod bytes;
 pub mod commands;
 pub mod compare;
 pub mod experiment;
+pub mod expression;
 pub mod farm;
 pub mod film;
 pub mod image;

@@ -12,6 +12,7 @@ pub mod dielectric;
 pub mod diffracting_conductor;
 pub mod diffraction_table;
 pub mod diffuse;
+pub mod diffuse_share;
 pub mod diffuse_transmission;
 pub mod frame_map;
 pub mod fresnel;

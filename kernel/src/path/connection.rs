@@ -219,6 +219,7 @@ impl Connector<'_> {
             film: Vec2::ZERO,
             s: 1,
             t,
+            emitter: light.emitter,
         }
     }
 
@@ -264,6 +265,7 @@ impl Connector<'_> {
             film: Vec2::ZERO,
             s,
             t,
+            emitter: NONE,
         }
     }
 

@@ -4,7 +4,9 @@
 //! sum is kept. Strategies with at least two camera vertices add to the pixel from which the camera walk started; the others
 //! are splats, which name their own film position.
 
+use super::evaluation::Interaction;
 use crate::math::{Ray, Rgb};
+use crate::scene::NONE;
 use glam::{Vec2, Vec3};
 
 /// The weighted contribution of one strategy, were its segment unoccluded.
@@ -20,6 +22,8 @@ pub struct Contribution {
     pub s: u32,
     /// Vertices of the camera subpath; strategies with 0 or 1 are splats.
     pub t: u32,
+    /// The emitter that next event estimation chose (s = 1 and t > 1), [`NONE`] otherwise.
+    pub emitter: u32,
 }
 
 impl Contribution {
@@ -35,6 +39,7 @@ impl Contribution {
         film: Vec2::ZERO,
         s: 0,
         t: 0,
+        emitter: NONE,
     };
 
     /// Whether the value is positive in any channel.
@@ -47,5 +52,33 @@ impl Contribution {
     #[inline]
     pub fn is_splat(&self) -> bool {
         self.t < 2
+    }
+}
+
+/// What takes the contributions of walks, and may look at the surfaces that they come from.
+pub trait Contributions {
+    /// Takes what a walk has found by itself: light that meets the lens, or an emitter that is seen directly.
+    fn add(&mut self, contribution: Contribution);
+
+    /// Takes what connects the vertex where a walk has arrived to an emitter or to the lens.
+    fn add_at(&mut self, contribution: Contribution, _at: &Interaction<'_>) {
+        self.add(contribution);
+    }
+
+    /// Takes what connects a vertex of a light walk to one of a camera walk.
+    fn add_between(
+        &mut self,
+        contribution: Contribution,
+        _light: &Interaction<'_>,
+        _camera: &Interaction<'_>,
+    ) {
+        self.add(contribution);
+    }
+}
+
+impl<F: FnMut(Contribution)> Contributions for F {
+    #[inline]
+    fn add(&mut self, contribution: Contribution) {
+        self(contribution);
     }
 }

@@ -56,6 +56,7 @@ impl Connector<'_> {
             film: seen.film,
             s,
             t: 1,
+            emitter: NONE,
         }
     }
 
@@ -92,6 +93,7 @@ impl Connector<'_> {
             film: seen.film,
             s: 1,
             t: 1,
+            emitter: NONE,
         }
     }
 
@@ -161,6 +163,7 @@ impl Connector<'_> {
             film: seen.film,
             s: walk.subpath.depth + 2,
             t: 0,
+            emitter: NONE,
         }
     }
 }

@@ -23,6 +23,7 @@
 //! - [`lens`]: connections to the lens, and walks that hit it;
 //! - [`contribution`]: what a strategy returns;
 //! - [`visibility`]: transmittance along a segment;
+//! - [`expression`], [`path_states`], `whole_shares`: which sets of paths a path belongs to, and the walks that find out;
 //! - `whole`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of all strategies, for Markov chains.
 
 pub mod arrival;
@@ -30,8 +31,10 @@ pub mod connection;
 pub mod contribution;
 pub mod discrete_event;
 pub mod evaluation;
+pub mod expression;
 pub mod lens;
 pub mod mollified;
+pub mod path_states;
 pub mod photon_density;
 pub mod rules;
 pub mod specular_chain;
@@ -50,12 +53,16 @@ pub mod weight;
 #[cfg(not(target_arch = "spirv"))]
 pub mod whole;
 #[cfg(not(target_arch = "spirv"))]
+mod whole_shares;
+#[cfg(not(target_arch = "spirv"))]
 pub mod whole_vertex;
 
 pub use arrival::ShadingPoint;
 pub use connection::Connector;
-pub use contribution::Contribution;
+pub use contribution::{Contribution, Contributions};
 pub use evaluation::{Evaluation, Interaction};
+pub use expression::PathExpressions;
+pub use path_states::{PathStates, Scattered, Shares};
 pub use photon_density::PhotonDensity;
 pub use rules::PathRules;
 pub use strategies::Strategies;

@@ -161,6 +161,7 @@ impl Connector<'_> {
             film: Vec2::ZERO,
             s: 1,
             t,
+            emitter: light.emitter,
         }
     }
 
@@ -212,6 +213,7 @@ impl Connector<'_> {
             film: Vec2::ZERO,
             s,
             t,
+            emitter: NONE,
         }
     }
 
@@ -246,6 +248,7 @@ impl Connector<'_> {
             film: seen.film,
             s,
             t: 1,
+            emitter: NONE,
         }
     }
 }

@@ -57,6 +57,8 @@ pub struct Walk {
     pub chain: SpecularChain,
     /// The same at the surface that the current ray has hit.
     pub arrived_chain: SpecularChain,
+    /// What happened where it scattered last: bits of [`event`].
+    pub event: u32,
 }
 
 impl Walk {
@@ -73,6 +75,7 @@ impl Walk {
             start: Hit::MISS,
             chain: SpecularChain::default(),
             arrived_chain: SpecularChain::default(),
+            event: 0,
         }
     }
 
@@ -93,6 +96,7 @@ impl Walk {
             start: start_hit(point),
             chain: SpecularChain::default(),
             arrived_chain: SpecularChain::default(),
+            event: 0,
         }
     }
 
@@ -330,6 +334,7 @@ impl Walk {
             return step::END;
         }
         subpath.eta *= sample.eta;
+        self.event = sample.event;
         let survival = if self.mode == mode::RADIANCE {
             subpath.camera_survival()
         } else {

@@ -9,6 +9,7 @@
 //! | [`bidirectional`] | bidirectional path tracing and light tracing |
 //! | [`aov`] | surface features of a camera sample |
 //! | [`regularized_path`] | path tracing whose next event estimation is regularised |
+//! | [`divided`] | path tracing whose light is divided by path expressions |
 //! | [`connection`] | next event estimation |
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
 //! | [`pixel`] | one sample of a pixel by the algorithm of the settings |
@@ -23,6 +24,7 @@ pub mod bidirectional;
 pub mod bounce;
 pub mod connection;
 pub mod direct;
+pub mod divided;
 #[cfg(not(target_arch = "spirv"))]
 pub mod markov;
 pub mod path;

@@ -1,6 +1,7 @@
 //! Arguments that change how an algorithm estimates, whatever the scene says.
 
 use super::chain_args::ChainArgs;
+use super::expression_args::ExpressionArgs;
 use super::photon_args::PhotonArgs;
 use super::regularization_args::RegularizationArgs;
 use crate::render::{Shape, shape};
@@ -37,6 +38,9 @@ pub struct EstimatorArgs {
     /// Of regularisation.
     #[command(flatten)]
     pub regularization: RegularizationArgs,
+    /// Of path expressions.
+    #[command(flatten)]
+    pub expressions: ExpressionArgs,
 }
 
 impl EstimatorArgs {
@@ -48,6 +52,7 @@ impl EstimatorArgs {
         self.photons.apply(scene)?;
         self.chains.apply(scene)?;
         self.regularization.apply(scene)?;
+        self.expressions.apply(scene).map_err(|e| e.to_string())?;
         let is_used = self.heuristic.is_some() || self.strategies.is_some();
         if is_used && shape(scene.settings.kind) != Shape::Splats {
             return Err(

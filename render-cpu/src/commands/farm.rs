@@ -213,6 +213,7 @@ impl PlanArgs {
             sampler: scene.sampler.clone(),
             sensor: scene.sensor,
             strict: scene.strict,
+            parts: self.estimator.expressions.request(),
             settings: None,
             look: PlannedLook {
                 clamp: look.clamp,

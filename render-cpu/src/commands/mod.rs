@@ -5,6 +5,7 @@ pub mod compare;
 pub mod convergence;
 pub mod estimator_args;
 pub mod experiment;
+mod expression_args;
 pub mod farm;
 pub mod image;
 pub mod info;

@@ -26,8 +26,9 @@ impl RenderArgs {
         let [width, height] = camera.crop_size;
         let layers = self.layers(scene);
         let clamp = self.look.clamp.unwrap_or(f32::INFINITY);
+        let parts = || scene.parts.layer_names();
         let empty = || {
-            let mut film = Film::new(width, height, camera.crop_offset, layers)?;
+            let mut film = Film::with_parts(width, height, camera.crop_offset, layers, parts())?;
             film.set_clamp(clamp);
             Ok::<_, FilmError>(film)
         };

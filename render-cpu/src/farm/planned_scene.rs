@@ -3,6 +3,7 @@
 //! What options change of the algorithm's parameters is kept as the words of its settings, so that no option is forgotten.
 
 use super::error::FarmError;
+use crate::expression::PartsRequest;
 use crate::image::png_output::Exposure;
 use crate::scene::build::{BuildOptions, Crop, FilmOverride, Scene, build_scene};
 use crate::scene::xml::parse_scene;
@@ -34,6 +35,9 @@ pub struct PlannedScene {
     /// The words of the algorithm's settings, where options change them.
     #[serde(default)]
     pub settings: Option<Vec<u32>>,
+    /// Layers by path expressions.
+    #[serde(default)]
+    pub parts: PartsRequest,
     /// How the image is made of the samples.
     #[serde(default)]
     pub look: PlannedLook,
@@ -78,6 +82,8 @@ impl PlannedScene {
         if let Some(words) = &self.settings {
             scene.settings = settings_of_words(words)?;
         }
+        let divided = scene.divide(&self.parts);
+        divided.map_err(|e| FarmError::Request(e.to_string()))?;
         Ok(scene)
     }
 }

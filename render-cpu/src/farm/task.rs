@@ -162,7 +162,8 @@ pub fn run_task(
 fn start(plan: &Plan, scene: &crate::scene::build::Scene) -> Result<(Film, RunState), FarmError> {
     let camera = &scene.tables.camera;
     let [width, height] = camera.crop_size;
-    let film = Film::new(width, height, camera.crop_offset, plan.aovs()?)?;
+    let parts = scene.parts.layer_names();
+    let film = Film::with_parts(width, height, camera.crop_offset, plan.aovs()?, parts)?;
     Ok((film, RunState::default()))
 }
 

@@ -9,7 +9,7 @@
 //! | 4 | length of the header |
 //! | ... | header, JSON: settings of the run, progress, layout of the film |
 //! | 64 per pixel | count u32, rejected u32, then mean (3), m2 (3) and luminance m2 as f64 |
-//! | 8 per sum | sums of the output variables, f64 |
+//! | 8 per sum | sums of the output variables and of the parts by path expressions, f64 |
 //! | 4 per pixel | in version 2: samples that a pass which was cut still owes, u32 |
 //! | 4 | CRC-32 of everything before |
 //!
@@ -70,6 +70,9 @@ struct Header {
     height: u32,
     crop_offset: [u32; 2],
     aovs: Vec<String>,
+    /// Names of the parts by path expressions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    parts: Vec<String>,
     /// Samples per pixel of a pass that was cut.
     #[serde(default)]
     owed_per_pixel: u32,
@@ -139,6 +142,7 @@ pub fn write_checkpoint(
             .iter()
             .map(|aov| aov.name().to_owned())
             .collect(),
+        parts: film.parts().to_vec(),
         owed_per_pixel: film.owed().map_or(0, |owed| owed.per_pixel),
     };
     let version = match film.owed() {
@@ -307,7 +311,8 @@ pub fn read_checkpoint(
     // Nothing of the film's size is allocated before the file is known to hold it.
     let pixels = u64::from(header.width) * u64::from(header.height);
     let owes = version == VERSION_WITH_OWED;
-    let mut bytes_per_pixel = (PIXEL_LENGTH + aovs.accumulators() * SUM_LENGTH) as u64;
+    let mut bytes_per_pixel =
+        (PIXEL_LENGTH + (aovs.accumulators() + 3 * header.parts.len()) * SUM_LENGTH) as u64;
     if owes {
         bytes_per_pixel += OWED_LENGTH as u64;
     }
@@ -320,13 +325,12 @@ pub fn read_checkpoint(
             header.width, header.height
         )));
     }
-    let mut film =
-        Film::new(header.width, header.height, header.crop_offset, aovs).map_err(|source| {
-            CheckpointError::Film {
-                file: file.to_owned(),
-                source,
-            }
-        })?;
+    let [width, height] = [header.width, header.height];
+    let film = Film::with_parts(width, height, header.crop_offset, aovs, header.parts);
+    let mut film = film.map_err(|source| CheckpointError::Film {
+        file: file.to_owned(),
+        source,
+    })?;
 
     let (statistics, sums) = film.buffers_mut();
     let mut buffer = vec![0; BATCH * PIXEL_LENGTH];

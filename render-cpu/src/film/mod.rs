@@ -23,6 +23,9 @@ use owed::Owed;
 pub use pixel_statistics::{PixelStatistics, luminance};
 pub use tile::{ChainSteps, FilmTile, PixelMut};
 
+/// Numbers of a colour.
+const CHANNELS: usize = 3;
+
 /// Why a film cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FilmError {
@@ -42,7 +45,9 @@ pub struct Film {
     crop_offset: [u32; 2],
     aovs: AovSet,
     statistics: Vec<PixelStatistics>,
-    /// Sums of the enabled output variables, `aovs.accumulators()` numbers per pixel.
+    /// Names of the parts into which path expressions divide the image.
+    parts: Vec<String>,
+    /// Sums of the enabled output variables and of the parts, [`Film::sums_per_pixel`] numbers per pixel.
     aov_sums: Vec<f64>,
     /// What a pass that was cut still owes.
     owed: Option<Owed>,
@@ -66,6 +71,20 @@ impl Film {
         crop_offset: [u32; 2],
         aovs: AovSet,
     ) -> Result<Self, FilmError> {
+        Film::with_parts(width, height, crop_offset, aovs, Vec::new())
+    }
+
+    /// [`Film::new`] that also keeps the parts of the image which path expressions name.
+    ///
+    /// # Errors
+    /// If the film is empty or cannot be allocated.
+    pub fn with_parts(
+        width: u32,
+        height: u32,
+        crop_offset: [u32; 2],
+        aovs: AovSet,
+        parts: Vec<String>,
+    ) -> Result<Self, FilmError> {
         if width == 0 || height == 0 {
             return Err(FilmError::Empty(width, height));
         }
@@ -76,7 +95,7 @@ impl Film {
         }
         let pixels = usize::try_from(pixels).map_err(|_| too_large())?;
         let sums = pixels
-            .checked_mul(aovs.accumulators())
+            .checked_mul(aovs.accumulators() + CHANNELS * parts.len())
             .ok_or_else(too_large)?;
         let mut statistics = Vec::new();
         statistics
@@ -91,6 +110,7 @@ impl Film {
             height,
             crop_offset,
             aovs,
+            parts,
             statistics,
             aov_sums,
             owed: None,
@@ -124,7 +144,27 @@ impl Film {
         &self.statistics
     }
 
-    /// Sums of the enabled output variables, `aovs().accumulators()` numbers per pixel, by rows.
+    /// Names of the parts of the image.
+    pub fn parts(&self) -> &[String] {
+        &self.parts
+    }
+
+    /// Sums that are kept of a pixel: those of output variables, then those of parts.
+    pub fn sums_per_pixel(&self) -> usize {
+        self.aovs.accumulators() + CHANNELS * self.parts.len()
+    }
+
+    /// Mean of one channel of a part over the samples of a pixel; zero where there is no sample.
+    pub fn part_mean(&self, part: usize, channel: usize, pixel: usize) -> f64 {
+        let count = self.statistics[pixel].count;
+        if count == 0 {
+            return 0.0;
+        }
+        let first = pixel * self.sums_per_pixel() + self.aovs.accumulators();
+        self.aov_sums[first + CHANNELS * part + channel] / f64::from(count)
+    }
+
+    /// Sums of the enabled output variables and of the parts, [`Film::sums_per_pixel`] numbers per pixel, by rows.
     pub fn aov_sums(&self) -> &[f64] {
         &self.aov_sums
     }
@@ -196,7 +236,7 @@ impl Film {
     /// If the pixel is outside of the film.
     pub fn pixel_mut(&mut self, x: u32, y: u32) -> PixelMut<'_> {
         let i = self.index(x, y);
-        let n = self.aovs.accumulators();
+        let n = self.sums_per_pixel();
         PixelMut {
             statistics: &mut self.statistics[i],
             aov_sums: &mut self.aov_sums[i * n..(i + 1) * n],
@@ -224,7 +264,7 @@ impl Film {
     fn blocks_mut(&mut self, size: u32, rows: u32) -> Vec<FilmTile<'_>> {
         assert!(size > 0 && rows > 0, "tiles need a size");
         let (aovs, clamp) = (self.aovs, self.clamp);
-        let n = aovs.accumulators();
+        let n = self.sums_per_pixel();
         let width = self.width as usize;
         let across = width.div_ceil(size as usize);
         let mut tiles: Vec<FilmTile<'_>> = Vec::new();
@@ -241,6 +281,7 @@ impl Film {
                         width: size.min(self.width - x),
                         aovs,
                         clamp,
+                        sums_per_pixel: n,
                         rows: Vec::new(),
                     });
                 }
@@ -277,7 +318,7 @@ impl Film {
             Aov::Samples => f64::from(statistics.count),
             // What is kept for the next pass is no sum over samples.
             Aov::Bandwidth if self.aovs.contains(aov) => {
-                self.aov_sums[pixel * self.aovs.accumulators() + self.aovs.offset(aov)]
+                self.aov_sums[pixel * self.sums_per_pixel() + self.aovs.offset(aov)]
             }
             Aov::Acceptance | Aov::Iterations | Aov::Jumps if self.aovs.contains(aov) => {
                 let start = pixel * self.aovs.accumulators() + self.aovs.offset(aov);
@@ -286,7 +327,7 @@ impl Film {
             }
             _ if !self.aovs.contains(aov) || statistics.count == 0 => 0.0,
             _ => {
-                self.aov_sums[pixel * self.aovs.accumulators() + self.aovs.offset(aov) + channel]
+                self.aov_sums[pixel * self.sums_per_pixel() + self.aovs.offset(aov) + channel]
                     / f64::from(statistics.count)
             }
         }
@@ -324,7 +365,8 @@ impl Film {
     pub fn merge(&mut self, other: &Self) {
         assert!(
             (self.width, self.height, self.crop_offset, self.aovs)
-                == (other.width, other.height, other.crop_offset, other.aovs),
+                == (other.width, other.height, other.crop_offset, other.aovs)
+                && self.parts == other.parts,
             "films of different layout do not merge"
         );
         for (a, b) in self.statistics.iter_mut().zip(&other.statistics) {

@@ -42,6 +42,26 @@ impl PixelMut<'_> {
         *self.statistics = statistics;
     }
 
+    /// Adds the parts of a sample whose whole is `radiance`, which is added by itself: they are clamped as it is, and count as
+    /// black where it is not finite.
+    pub fn add_parts(&mut self, radiance: Vec3, parts: &[Vec3]) {
+        let most = radiance.abs().max_element();
+        let scale = if most > self.clamp {
+            self.clamp / most
+        } else {
+            1.0
+        };
+        if !radiance.is_finite() {
+            return;
+        }
+        let sums = &mut self.aov_sums[self.aovs.accumulators()..];
+        for (sum, part) in sums.chunks_exact_mut(3).zip(parts) {
+            for c in 0..3 {
+                sum[c] += f64::from(part[c] * scale);
+            }
+        }
+    }
+
     /// What [`Aov::Bandwidth`] keeps of the pixel, if the film has it.
     pub fn bandwidth_numbers(&mut self) -> Option<&mut [f64]> {
         let start = self.aovs.offset(Aov::Bandwidth);
@@ -120,6 +140,7 @@ pub struct FilmTile<'a> {
     pub(super) width: u32,
     pub(super) aovs: AovSet,
     pub(super) clamp: f32,
+    pub(super) sums_per_pixel: usize,
     pub(super) rows: Vec<(&'a mut [PixelStatistics], &'a mut [f64])>,
 }
 
@@ -150,7 +171,7 @@ impl FilmTile<'_> {
     /// If the pixel is outside of the tile.
     pub fn pixel_mut(&mut self, x: u32, y: u32) -> PixelMut<'_> {
         let i = (x - self.x) as usize;
-        let n = self.aovs.accumulators();
+        let n = self.sums_per_pixel;
         let (statistics, aov_sums) = &mut self.rows[(y - self.y) as usize];
         PixelMut {
             statistics: &mut statistics[i],

@@ -1,7 +1,7 @@
 //! Writing images as OpenEXR: one file, one part, named layers.
 //!
 //! Channels: `R`, `G`, `B` radiance; `albedo.R` ..., `normal.X` ..., `depth.Z`, `position.X` ..., `uv.U`, `uv.V`;
-//! `variance.R` ... the variance of the pixel's mean; `A` the share of its samples that met a surface; `samples` its number of
+//! `NAME.R` ... the parts by path expressions; `variance.R` ... the variance of the pixel's mean; `A` the share of its samples that met a surface; `samples` its number of
 //! samples (unsigned integers), unless all pixels have as many: then the attribute `samplesPerPixel` says how many, and programs
 //! that know no layers see a plain RGB image.
 //! ZIP compression line by line: half the time of blocks of sixteen lines, and files that are 2 to 5 % longer, noisy as
@@ -93,6 +93,13 @@ impl LayeredImage {
                     _ => ChannelValues::Float(values),
                 };
                 channels.push((format!("{}.{suffix}", aov.name()), values));
+            }
+        }
+        for (part, layer) in film.parts().iter().enumerate() {
+            for (c, suffix) in ["R", "G", "B"].into_iter().enumerate() {
+                let means = (0..statistics.len()).map(|i| film.part_mean(part, c, i) as f32);
+                let values = ChannelValues::Colour(means.collect());
+                channels.push((format!("{layer}.{suffix}"), values));
             }
         }
         let [x, y] = film.crop_offset();

@@ -2,6 +2,7 @@
 
 use super::backend::{Backend, PassEnd, PassError};
 use super::chains::render_groups;
+use super::divided_layers::{Division, render_divided_layers};
 use super::options::{Outcome, RenderOptions, RunState};
 use super::own_layers::own_layers;
 use super::passes::render_passes;
@@ -13,7 +14,7 @@ use super::tile_job::{TileJob, Workspace};
 use crate::accel::Accel;
 use crate::film::aov::AovSet;
 use crate::film::{Film, FilmError};
-use crate::integrators::{Shape, shape};
+use crate::integrators::{Shape, divides_paths, shape};
 use crate::processor;
 use crate::scene::build::Scene;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
@@ -41,7 +42,8 @@ pub fn render_film(
     let aovs = own_layers(scene.settings.kind)
         .iter()
         .fold(aovs, AovSet::with);
-    let mut film = Film::new(width, height, camera.crop_offset, aovs)?;
+    let parts = scene.parts.layer_names();
+    let mut film = Film::with_parts(width, height, camera.crop_offset, aovs, parts)?;
     let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
     let mut state = RunState::default();
     let never = AtomicBool::new(false);
@@ -115,11 +117,30 @@ impl Backend for CpuBackend<'_> {
         };
         let (settings, options) = (&self.scene.settings, self.options);
         let is_sobol = self.scene.sampler == sampler_kind::SOBOL;
+        let division = Division::new(&self.scene.parts);
+        if division.is_some() && !divides_paths(settings.kind) {
+            return Err("this algorithm does not know the paths of what it adds".into());
+        }
+        let is_shared = matches!(shape(settings.kind), Shape::Splats | Shape::Passes);
+        if let (true, Some(division), None) = (is_shared, &division, counts) {
+            let pilot = &self.pilot;
+            return Ok(if is_sobol {
+                let new = SobolSampler::new;
+                render_divided_layers(
+                    &view, settings, division, options, film, per_pixel, new, stop, pilot,
+                )
+            } else {
+                let new = IndependentSampler::new;
+                render_divided_layers(
+                    &view, settings, division, options, film, per_pixel, new, stop, pilot,
+                )
+            });
+        }
         Ok(match shape(settings.kind) {
             Shape::Pixels => {
                 let kind = self.scene.sampler;
                 render_pass(
-                    &view, settings, kind, options, film, per_pixel, counts, stop,
+                    &view, settings, division, kind, options, film, per_pixel, counts, stop,
                 )
             }
             Shape::Splats | Shape::Passes | Shape::Chains if counts.is_some() => {
@@ -152,7 +173,9 @@ impl Backend for CpuBackend<'_> {
                 let pilot = &self.pilot;
                 render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
             }
-            Shape::Chains => render_groups(&view, settings, options, film, per_pixel, stop),
+            Shape::Chains => {
+                render_groups(&view, settings, division, options, film, per_pixel, stop)
+            }
         })
     }
 }
@@ -161,6 +184,7 @@ impl Backend for CpuBackend<'_> {
 fn render_pass<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
+    division: Option<Division<'_>>,
     kind: u32,
     options: &RenderOptions,
     film: &mut Film,
@@ -173,6 +197,7 @@ fn render_pass<T: Traverse + Sync>(
         settings,
         options,
         stop,
+        division,
         needs_surface: film.aovs().needs_surface(),
         simd: processor::simd_level(),
     };

@@ -8,6 +8,7 @@ mod bidirectional_job;
 mod chains;
 mod checkpoint_file;
 mod cpu_backend;
+mod divided_layers;
 mod lockstep_walks;
 mod options;
 mod own_layers;
@@ -27,7 +28,7 @@ mod stop;
 mod strategy_films;
 mod tile_job;
 
-pub use crate::integrators::{Shape, shape};
+pub use crate::integrators::{Shape, divides_paths, shape};
 pub use backend::{Backend, PassEnd, PassError};
 pub use chains::MutationsPerPixel;
 pub use checkpoint_file::CheckpointFile;

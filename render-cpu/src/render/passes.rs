@@ -80,6 +80,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
         let photons = PhotonTask {
             view,
             tracer: algorithm.tracer(),
+            expressions: None,
             emitted: light_walks(&view.tables, settings),
             seed: self.seed,
             index: self.index,

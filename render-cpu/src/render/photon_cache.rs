@@ -8,7 +8,9 @@
 //! queries into vectors, and lend nothing that a shader could walk over. This file is shorter than an adapter to one of them.
 
 use glam::Vec3;
+use halflight_kernel::path::PathStates;
 use halflight_kernel::transport::photon::cache::{LEVELS, Photon, PhotonCache, PhotonGrid};
+use halflight_kernel::transport::photon::divided::DividedStore;
 use halflight_kernel::transport::photon::tracing::PhotonStore;
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator,
@@ -36,12 +38,32 @@ pub struct PhotonList {
     pub positions: Vec<[f32; 3]>,
     /// What they are.
     pub photons: Vec<Photon>,
+    /// States of their walks, where path expressions divide the image: those that [`Photon::beside`] names.
+    pub states: Vec<PathStates>,
 }
 
 impl PhotonStore for PhotonList {
     fn push(&mut self, position: Vec3, photon: &Photon) {
         self.positions.push(position.to_array());
-        self.photons.push(*photon);
+        self.photons.push(Photon {
+            beside: self.states.len().saturating_sub(1) as u32,
+            ..*photon
+        });
+    }
+}
+
+impl DividedStore for PhotonList {
+    fn set_states(&mut self, states: &PathStates) {
+        // Those that no photon has taken are replaced.
+        let last = self.states.len().saturating_sub(1) as u32;
+        if self
+            .photons
+            .last()
+            .is_none_or(|photon| photon.beside != last)
+        {
+            self.states.pop();
+        }
+        self.states.push(*states);
     }
 }
 
@@ -53,6 +75,7 @@ pub struct SortedPhotons {
     keys: Vec<u32>,
     positions: Vec<[f32; 3]>,
     photons: Vec<Photon>,
+    states: Vec<PathStates>,
 }
 
 /// A piece of the photons, sorted by their leading bits.
@@ -91,7 +114,21 @@ impl SortedPhotons {
             keys: vec![0; total],
             positions: vec![[0.0; 3]; total],
             photons: vec![bytemuck::Zeroable::zeroed(); total],
+            states: lists
+                .iter()
+                .flat_map(|list| &list.states)
+                .copied()
+                .collect(),
         };
+        let mut first = 0;
+        let first_states: Vec<u32> = lists
+            .iter()
+            .map(|list| {
+                let own = first;
+                first += list.states.len() as u32;
+                own
+            })
+            .collect();
         let mut buckets = Vec::with_capacity(BUCKETS);
         let (mut keys, mut positions, mut photons) = (
             sorted.keys.as_mut_slice(),
@@ -116,10 +153,12 @@ impl SortedPhotons {
                 }
                 sort(entries, scratch);
                 for (i, &(key, list)) in entries.iter().enumerate() {
+                    let first_state = first_states[list as usize];
                     let (list, place) = (&lists[list as usize], key as u32 as usize);
                     keys[i] = (key >> 32) as u32;
                     positions[i] = list.positions[place];
                     photons[i] = list.photons[place];
+                    photons[i].beside += first_state;
                 }
             },
         );
@@ -138,12 +177,18 @@ impl SortedPhotons {
         }
     }
 
+    /// States of the photons' walks, by [`Photon::beside`]; none where nothing divides the image.
+    pub fn states(&self) -> &[PathStates] {
+        &self.states
+    }
+
     /// Bytes that it takes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.starts.as_slice())
             + size_of_val(self.keys.as_slice())
             + size_of_val(self.positions.as_slice())
             + size_of_val(self.photons.as_slice())
+            + size_of_val(self.states.as_slice())
     }
 }
 

@@ -6,11 +6,12 @@ use super::bidirectional_job::{Shadows, TileSample, TileSamples};
 use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::photon_cache::PhotonList;
 use glam::Vec3;
-use halflight_kernel::path::{ShadingPoint, Walk};
+use halflight_kernel::path::{PathExpressions, PathStates, ShadingPoint, Walk};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::photon::adaptive::{self, AdaptiveRadii};
+use halflight_kernel::transport::photon::divided::divided_light_bounce;
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::Progressive;
 use halflight_kernel::transport::photon::statistics::PhotonPass;
@@ -44,18 +45,34 @@ impl PhotonWorkspace {
         &mut self,
         view: &SceneView<'_, T>,
         tracer: &PhotonTracer<'_>,
+        expressions: Option<&PathExpressions<'_>>,
         samplers: &mut [S],
     ) -> PhotonList {
         let mut list = PhotonList::default();
+        let mut states = Vec::new();
         self.walks.clear();
         for sampler in samplers.iter_mut() {
             let start = tracer.emit(sampler);
             self.walks.push(Walk::from_emitter(&start), start.is_some());
+            if let Some(expressions) = expressions {
+                states.push(PathStates::at_emitter(expressions, start.emitter));
+            }
         }
         while !self.walks.is_done() {
             let site = &mut *self.site;
-            self.walks.bounce(view, |i, walk, hit| {
-                tracer.light_bounce(walk, &mut samplers[i], hit, site, &mut list)
+            self.walks.bounce(view, |i, walk, hit| match expressions {
+                None => tracer.light_bounce(walk, &mut samplers[i], hit, site, &mut list),
+                Some(expressions) => divided_light_bounce(
+                    tracer,
+                    &view.tables,
+                    expressions,
+                    walk,
+                    &mut states[i],
+                    &mut samplers[i],
+                    hit,
+                    site,
+                    &mut list,
+                ),
             });
         }
         list

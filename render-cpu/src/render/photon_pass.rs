@@ -3,6 +3,7 @@
 use super::photon_cache::{PhotonList, SortedPhotons};
 use super::photon_job::{PhotonWorkspace, WALKS};
 use super::stop::Stop;
+use halflight_kernel::path::PathExpressions;
 use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -39,6 +40,8 @@ pub(super) struct PhotonTask<'a, T: Traverse> {
     pub view: &'a SceneView<'a, T>,
     /// What leaves them.
     pub tracer: PhotonTracer<'a>,
+    /// What divides the image, if anything.
+    pub expressions: Option<PathExpressions<'a>>,
     /// Light walks.
     pub emitted: u32,
     /// Seed of the run.
@@ -68,7 +71,8 @@ impl<T: Traverse + Sync> PhotonTask<'_, T> {
                     .map(|walk| new(seed, self.index, walk))
                     .collect();
                 Some(idle.with(|workspace| {
-                    workspace.trace_photons(self.view, &self.tracer, &mut samplers)
+                    let expressions = self.expressions.as_ref();
+                    workspace.trace_photons(self.view, &self.tracer, expressions, &mut samplers)
                 }))
             })
             .collect();

@@ -26,7 +26,7 @@ impl<'a> PixelStatistics<'a> {
             } else {
                 &[]
             },
-            per_pixel: aovs.accumulators(),
+            per_pixel: film.sums_per_pixel(),
             offset: aovs.offset(Aov::Bandwidth),
         }
     }

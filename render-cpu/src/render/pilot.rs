@@ -53,6 +53,7 @@ impl PilotDensity {
         let pilot = PhotonTask {
             view,
             tracer: merging_tracer(&algorithm.connector),
+            expressions: None,
             emitted,
             seed: seed ^ PILOT_STREAM,
             index: 0,

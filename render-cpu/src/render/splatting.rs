@@ -18,7 +18,7 @@ use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
 use glam::Vec3;
-use halflight_kernel::path::PhotonDensity;
+use halflight_kernel::path::{PathExpressions, PhotonDensity};
 use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
@@ -92,6 +92,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     options,
                     layer,
                     density,
+                    None,
                     &idle_tracers,
                     stop,
                     &new,
@@ -176,12 +177,13 @@ fn regularization<T: Traverse>(
 }
 
 /// The photons that a layer merges.
-fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
+pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     options: &RenderOptions,
     layer: u32,
     density: PhotonDensity<'_>,
+    expressions: Option<PathExpressions<'_>>,
     idle: &Idle,
     stop: &Stop<'_>,
     new: &(impl Fn(u32, u32, u32) -> S + Sync),
@@ -194,6 +196,7 @@ fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     let photons = PhotonTask {
         view,
         tracer: merging_tracer(&algorithm.connector),
+        expressions,
         emitted,
         seed: options.seed,
         index: layer,

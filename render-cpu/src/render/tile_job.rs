@@ -4,17 +4,20 @@
 //! gets but a few. Between two waves a tile may be left: pixels then have the first of their samples. Samples enter their pixel in the order of their indices whatever the wave, so that sums round alike.
 
 use super::backend::PassEnd;
+use super::divided_layers::Division;
 use super::options::RenderOptions;
 use super::regularized_paths::RegularizedPaths;
 use super::stop::Stop;
 use crate::film::FilmTile;
 use crate::film::aov::AovSample;
+use glam::Vec3;
 use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{LaneSampler, Sampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::simd::SimdLevel;
-use halflight_kernel::transport::wavefront::Wavefront;
+use halflight_kernel::transport::divided::DividedPath;
+use halflight_kernel::transport::wavefront::{WaveDivision, Wavefront};
 use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
 
 /// Slots for paths side by side: enough for whole vectors of every class, few enough that their state stays in the second
@@ -33,6 +36,8 @@ pub struct TileJob<'a, T: Traverse> {
     pub settings: &'a IntegratorSettings,
     /// Seed and first sample.
     pub options: &'a RenderOptions,
+    /// What the image is divided by, if anything.
+    pub division: Option<Division<'a>>,
     /// Whether layers of surface features are wanted.
     pub needs_surface: bool,
     /// When to leave a tile.
@@ -57,6 +62,9 @@ pub struct Workspace<S> {
     runs: Vec<Run>,
     /// The numbers of those samples from the first on, where surfaces are wanted.
     samplers: Vec<S>,
+    /// What goes beside the paths of an image that is divided, and their parts.
+    beside: Vec<DividedPath>,
+    parts: Vec<Vec3>,
 }
 
 impl<S: LaneSampler> Workspace<S> {
@@ -68,6 +76,8 @@ impl<S: LaneSampler> Workspace<S> {
             regularized: is_regularized.then(RegularizedPaths::new),
             runs: Vec::with_capacity(SLOTS),
             samplers: Vec::with_capacity(SLOTS),
+            beside: Vec::new(),
+            parts: Vec::new(),
         }
     }
 
@@ -162,16 +172,44 @@ impl<T: Traverse> TileJob<'_, T> {
 
     /// Traces the wave and adds its samples.
     fn finish<S: LaneSampler>(&self, tile: &mut FilmTile<'_>, workspace: &mut Workspace<S>) {
-        let mut radiance = match &mut workspace.regularized {
-            None => workspace.wave.run(self.simd, self.view, self.settings),
-            Some(paths) => paths.run(self.view, self.settings),
+        let Workspace {
+            wave,
+            runs,
+            samplers,
+            beside,
+            parts,
+            regularized,
+        } = workspace;
+        let mut radiance = match (regularized, &self.division) {
+            (Some(paths), _) => paths.run(self.view, self.settings),
+            (None, None) => wave.run(self.simd, self.view, self.settings),
+            (None, Some(division)) => {
+                beside.resize(SLOTS, DividedPath::NONE);
+                parts.resize(SLOTS * division.expressions.count as usize, Vec3::ZERO);
+                let mut division = WaveDivision {
+                    expressions: division.expressions,
+                    paths: beside,
+                    parts,
+                };
+                wave.run_divided(self.simd, self.view, self.settings, Some(&mut division))
+            }
         };
         self.stop.took(radiance.len());
-        let mut samplers = workspace.samplers.drain(..);
-        for run in workspace.runs.drain(..) {
+        let mut samplers = samplers.drain(..);
+        let mut done = 0;
+        for run in runs.drain(..) {
             let (of_run, rest) = radiance.split_at(run.count as usize);
             radiance = rest;
-            tile.pixel_mut(run.x, run.y).add_samples(of_run);
+            let mut pixel = tile.pixel_mut(run.x, run.y);
+            pixel.add_samples(of_run);
+            if let Some(division) = &self.division {
+                let count = division.expressions.count as usize;
+                let own = &parts[done * count..(done + of_run.len()) * count];
+                for (sample, parts) in of_run.iter().zip(own.chunks_exact(count)) {
+                    pixel.add_parts(*sample, &parts[division.first..]);
+                }
+                done += of_run.len();
+            }
             for sampler in samplers.by_ref().take(of_run.len()) {
                 self.add_surface(tile, [run.x, run.y], sampler);
             }

@@ -31,6 +31,9 @@ pub struct GpuRenderArgs {
 /// # Errors
 /// What keeps the image from being made or written, in one sentence. What was rendered before is written.
 pub fn run(args: &GpuRenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    if !args.render.estimator.expressions.request().is_empty() {
+        return Err("--lpe and --only are for the processor: use halflight render".into());
+    }
     // Before the scene is read, which may take a while.
     let device = args.device.open()?;
     if let Some(bytes) = args.simulate_memory {

@@ -3,8 +3,8 @@
 use crate::math::{Rgb, vec3};
 use crate::path::rules::step;
 use crate::path::{
-    Connector, Contribution, Heuristic, Interaction, LightEnd, PathVertex, PhotonDensity,
-    ShadingPoint, Strategies, Walk,
+    Connector, Contribution, Contributions, Heuristic, Interaction, LightEnd, PathVertex,
+    PhotonDensity, ShadingPoint, Strategies, Walk,
 };
 use crate::regularize::settings::Regularization;
 use crate::sampler::Sampler;
@@ -148,7 +148,7 @@ impl<'a> Bidirectional<'a> {
             .regularized(own.tau, own.flags)
     }
 
-    /// One bounce of a light walk, from what its ray meets to its next ray: hands on what it adds, keeps the vertex in
+    /// One bounce of a light walk, from what its ray meets to its next ray: hands what it adds to `found`, keeps the vertex in
     /// `store`, with `last` the index of the walk's vertex before and then of this, and scatters. Says what is next,
     /// [`step::TRACE`] or [`step::END`]. `site` is room for the surface.
     pub fn light_bounce<S: Sampler, V: VertexStore>(
@@ -159,12 +159,12 @@ impl<'a> Bidirectional<'a> {
         site: &mut ShadingPoint,
         store: &mut V,
         last: &mut u32,
-        mut add: impl FnMut(Contribution),
+        mut found: impl Contributions,
     ) -> u32 {
         let connector = &self.connector;
         let met = connector.lens_met(walk, hit.t);
         if met.is_some() {
-            add(met);
+            found.add(met);
         }
         let edges = walk.subpath.depth + 1;
         // On the last edge only a lens behind a mask is left to meet.
@@ -178,12 +178,13 @@ impl<'a> Bidirectional<'a> {
             if connector.strategies.light_image {
                 let u_lens = self.lens_numbers(sampler);
                 if is_mollified {
-                    add_some(&mut add, connector.mollified_to_lens(walk, &at, u_lens));
+                    let seen = connector.mollified_to_lens(walk, &at, u_lens);
+                    add_some(&mut found, seen, &at);
                 }
                 let seen =
                     connector.to_lens(walk.subpath.throughput, walk.arrived, edges, &at, u_lens);
                 if seen.is_some() {
-                    add(seen);
+                    found.add_at(seen, &at);
                 }
             }
             if self.has_camera_walks {
@@ -207,7 +208,7 @@ impl<'a> Bidirectional<'a> {
         hit: &Hit,
         points: &mut ConnectedPoints,
         light: &LightSubpath<'_, V>,
-        add: impl FnMut(Contribution),
+        add: impl Contributions,
     ) -> (Rgb, u32) {
         let no_merging = |_: &Walk, _: &Interaction<'_>| Vec3::ZERO;
         self.camera_bounce_merging(walk, sampler, hit, points, light, no_merging, add)
@@ -222,7 +223,7 @@ impl<'a> Bidirectional<'a> {
         points: &mut ConnectedPoints,
         light: &LightSubpath<'_, V>,
         merge: impl Fn(&Walk, &Interaction<'_>) -> Rgb,
-        mut add: impl FnMut(Contribution),
+        mut add: impl Contributions,
     ) -> (Rgb, u32) {
         let connector = &self.connector;
         let tables = connector.tables;
@@ -243,18 +244,20 @@ impl<'a> Bidirectional<'a> {
                 let u = sampler.next_2d();
                 if is_mollified {
                     let light = emitter::sample_direct(tables, at.point.position, u_select, u);
-                    add_some(&mut add, connector.mollified_lit(walk, &at, &light));
+                    let lit = connector.mollified_lit(walk, &at, &light);
+                    add_some(&mut add, lit, &at);
                 }
                 connector.next_event(walk, &at, u_select, u)
             } else {
                 if is_mollified {
                     let light = connector.start_of(light.start, at.point.position);
-                    add_some(&mut add, connector.mollified_lit(walk, &at, &light));
+                    let lit = connector.mollified_lit(walk, &at, &light);
+                    add_some(&mut add, lit, &at);
                 }
                 connector.start_event(walk, &at, light.start)
             };
             if lit.is_some() {
-                add(lit);
+                add.add_at(lit, &at);
             }
             self.connect(walk, &at, &mut points.light, light, &mut add);
         }
@@ -270,7 +273,7 @@ impl<'a> Bidirectional<'a> {
         at: &Interaction<'_>,
         site: &mut ShadingPoint,
         light: &LightSubpath<'_, V>,
-        add: &mut impl FnMut(Contribution),
+        add: &mut impl Contributions,
     ) {
         let connector = &self.connector;
         let own = &connector.regularization;
@@ -295,18 +298,21 @@ impl<'a> Bidirectional<'a> {
             );
             let joined = connector.inner(&end, walk, at);
             if joined.is_some() {
-                add(joined);
+                add.add_between(joined, &end.at, at);
             }
             if connector.mollifies(at) || connector.mollifies(&end.at) {
-                add_some(add, connector.mollified_inner(&end, walk, at));
+                let joined = connector.mollified_inner(&end, walk, at);
+                if joined.is_some() {
+                    add.add_between(joined, &end.at, at);
+                }
             }
         }
     }
 }
 
 #[inline]
-fn add_some(add: &mut impl FnMut(Contribution), contribution: Contribution) {
+fn add_some(add: &mut impl Contributions, contribution: Contribution, at: &Interaction<'_>) {
     if contribution.is_some() {
-        add(contribution);
+        add.add_at(contribution, at);
     }
 }

@@ -16,10 +16,13 @@
 //! Invariants (tests): the mean is that of path tracing; weights of all strategies of a path sum to one.
 //!
 //! - `algorithm`: the bounces of both walks and their connections;
-//! - `sample`: one sample by itself.
+//! - `sample`: one sample by itself;
+//! - `divided`: the same, divided by path expressions.
 
 mod algorithm;
+mod divided;
 mod sample;
 
 pub use algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
-pub use sample::sample;
+pub use divided::{DividedPhotons, DividedSample, StateStore, counted};
+pub use sample::{Lent, Watcher, sample, sample_watched};

@@ -3,11 +3,29 @@
 use super::algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
 use crate::path::rules::step;
 use crate::path::visibility::contribution_transmittance;
-use crate::path::{Contribution, Walk};
+use crate::path::{Contribution, Contributions, Interaction, PathRules, Walk};
 use crate::sampler::Sampler;
 use crate::scene::camera::CameraSample;
+use crate::scene::emitter::emission::EmissionSample;
 use crate::scene::{NONE, SceneView, Traverse};
 use crate::transport::settings::IntegratorSettings;
+use core::cell::RefCell;
+use glam::Vec3;
+
+/// What watches a sample: takes its contributions, before it is known whether they lie in shadow, and hears how its walks go on.
+pub trait Watcher: Contributions {
+    /// A light walk begins.
+    fn begins(&mut self, start: &EmissionSample);
+
+    /// A walk has scattered at a vertex and is on its next ray; whether it shall go on.
+    fn scattered(&mut self, walk: &Walk, at: &Interaction<'_>) -> bool;
+
+    /// The camera walk has met light of an emitter.
+    fn met(&mut self, contribution: Contribution, emitter: u32);
+
+    /// The camera walk has arrived where photons may be merged with it.
+    fn arrived(&mut self, walk: &Walk, at: &Interaction<'_>);
+}
 
 /// One sample: `add` takes what each strategy finds, nothing where it lies in shadow, splats and what belongs to the pixel of
 /// `seen` ([`Contribution::is_splat`]), the latter without a film position.
@@ -18,28 +36,55 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     camera_sampler: &mut S,
     seen: &CameraSample,
     store: &mut V,
-    mut add: impl FnMut(Contribution),
+    add: impl FnMut(Contribution),
 ) {
-    let algorithm = Bidirectional::new(&view.tables, settings);
     let rules = settings.rules;
-    // Not one closure over `add`, which what a camera walk meets itself needs as well.
-    let unshadowed = |mut contribution: Contribution| {
-        contribution.value *= contribution_transmittance(view, &rules, &contribution);
-        contribution
-    };
+    let mut watcher = Unshadowed { view, rules, add };
+    let algorithm = Bidirectional::new(&view.tables, settings);
+    sample_watched(
+        view,
+        &algorithm,
+        light_sampler,
+        camera_sampler,
+        seen,
+        store,
+        &mut watcher,
+    );
+}
+
+/// [`sample`] for a watcher.
+pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
+    view: &SceneView<'_, T>,
+    algorithm: &Bidirectional<'_>,
+    light_sampler: &mut S,
+    camera_sampler: &mut S,
+    seen: &CameraSample,
+    store: &mut V,
+    watcher: &mut impl Watcher,
+) {
+    let rules = algorithm.connector.rules;
+    let connects = algorithm.connector.strategies.heuristic.connects;
+    let watcher = RefCell::new(watcher);
     let mut points = ConnectedPoints::NONE;
     let mut last = NONE;
-    let start = algorithm.emit(light_sampler);
+    // Where nothing is connected, photons are all the light there is.
+    let start = if connects {
+        algorithm.emit(light_sampler)
+    } else {
+        EmissionSample::NONE
+    };
     if start.is_some() && rules.max_depth > 0 {
+        watcher.borrow_mut().begins(&start);
         let own = algorithm.start(&start, light_sampler);
         if own.is_some() {
-            add(unshadowed(own));
+            watcher.borrow_mut().add(own);
         }
         let mut walk = Walk::from_emitter(&start);
         let mut next = step::TRACE;
         while next == step::TRACE {
             light_sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
             let hit = view.traverse.closest_hit(&walk.subpath.ray);
+            let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
             next = algorithm.light_bounce(
                 &mut walk,
                 light_sampler,
@@ -47,8 +92,13 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
                 &mut points.own,
                 store,
                 &mut last,
-                |contribution| add(unshadowed(contribution)),
+                Lent(&watcher),
             );
+            let has_scattered = next == step::TRACE && walk.subpath.depth > depth;
+            let mut watcher = watcher.borrow_mut();
+            if has_scattered && !watcher.scattered(&walk, &points.own.interaction(direction)) {
+                next = step::END;
+            }
         }
     }
     if !algorithm.has_camera_walks || rules.max_depth == 0 {
@@ -64,20 +114,92 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     while next == step::TRACE {
         camera_sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
         let hit = view.traverse.closest_hit(&walk.subpath.ray);
-        let t = walk.subpath.depth + 2;
-        let (found, after) = algorithm.camera_bounce(
+        let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
+        let (found, after) = algorithm.camera_bounce_merging(
             &mut walk,
             camera_sampler,
             &hit,
             &mut points,
             &light,
-            |contribution| add(unshadowed(contribution)),
+            |walk, at| {
+                watcher.borrow_mut().arrived(walk, at);
+                Vec3::ZERO
+            },
+            Lent(&watcher),
         );
-        add(Contribution {
-            value: found,
-            t,
-            ..Contribution::NONE
-        });
+        let mut watcher = watcher.borrow_mut();
+        if found.max_element() > 0.0 {
+            let emitter = if hit.is_hit() {
+                points.own.point.emitter
+            } else {
+                view.tables.info.environment
+            };
+            let met = Contribution {
+                value: found,
+                t: depth + 2,
+                ..Contribution::NONE
+            };
+            watcher.met(met, emitter);
+        }
         next = after;
+        let has_scattered = next == step::TRACE && walk.subpath.depth > depth;
+        if has_scattered && !watcher.scattered(&walk, &points.own.interaction(direction)) {
+            next = step::END;
+        }
     }
+}
+
+/// A watcher that is lent to a bounce, which hands it contributions while it also hears of the walk.
+pub struct Lent<'a, 'b, W>(pub &'a RefCell<&'b mut W>);
+
+impl<W: Contributions> Contributions for Lent<'_, '_, W> {
+    #[inline]
+    fn add(&mut self, contribution: Contribution) {
+        self.0.borrow_mut().add(contribution);
+    }
+
+    #[inline]
+    fn add_at(&mut self, contribution: Contribution, at: &Interaction<'_>) {
+        self.0.borrow_mut().add_at(contribution, at);
+    }
+
+    #[inline]
+    fn add_between(
+        &mut self,
+        contribution: Contribution,
+        light: &Interaction<'_>,
+        camera: &Interaction<'_>,
+    ) {
+        self.0.borrow_mut().add_between(contribution, light, camera);
+    }
+}
+
+/// Hands on what does not lie in shadow, and watches nothing else.
+struct Unshadowed<'a, 'b, T: Traverse, F> {
+    view: &'a SceneView<'b, T>,
+    rules: PathRules,
+    add: F,
+}
+
+impl<T: Traverse, F: FnMut(Contribution)> Contributions for Unshadowed<'_, '_, T, F> {
+    #[inline]
+    fn add(&mut self, mut contribution: Contribution) {
+        contribution.value *= contribution_transmittance(self.view, &self.rules, &contribution);
+        (self.add)(contribution);
+    }
+}
+
+impl<T: Traverse, F: FnMut(Contribution)> Watcher for Unshadowed<'_, '_, T, F> {
+    fn begins(&mut self, _: &EmissionSample) {}
+
+    fn scattered(&mut self, _: &Walk, _: &Interaction<'_>) -> bool {
+        true
+    }
+
+    #[inline]
+    fn met(&mut self, contribution: Contribution, _: u32) {
+        (self.add)(contribution);
+    }
+
+    fn arrived(&mut self, _: &Walk, _: &Interaction<'_>) {}
 }

@@ -11,6 +11,8 @@ pub struct Splat {
     pub film: Vec2,
     /// Its share of the mean of a pixel with a filter of area one, one sample per pixel.
     pub value: Rgb,
+    /// 0 for the image, from 1 on for its parts by path expressions.
+    pub image: u32,
 }
 
 /// Most splats of a state. Light walks with more vertices than this lose what comes after, far below all noise: the walk has
@@ -42,7 +44,12 @@ impl State {
         match self.splats.first_mut() {
             Some(first) if first.film == film => first.value += value,
             _ => {
-                if self.splats.try_push(Splat { film, value }).is_err() {
+                let splat = Splat {
+                    film,
+                    value,
+                    image: 0,
+                };
+                if self.splats.try_push(splat).is_err() {
                     return;
                 }
             }
@@ -72,6 +79,7 @@ impl State {
             add(Splat {
                 film: splat.film,
                 value: splat.value * factor,
+                image: 0,
             });
         }
     }

@@ -8,7 +8,7 @@
 //! Invariants (tests): weights of all strategies of a path sum to one; with the radius at zero this is bidirectional path
 //! tracing.
 
-use super::cache::PhotonCache;
+use super::cache::{Photon, PhotonCache};
 use super::estimate::{KERNEL, for_photons_within, incidence};
 use super::tracing::PhotonTracer;
 use crate::bsdf::mode;
@@ -75,9 +75,23 @@ pub fn merge(
     walk: &Walk,
     at: &Interaction<'_>,
 ) -> Rgb {
+    let mut sum = Vec3::ZERO;
+    for_merged(connector, photons, walk, at, |_, value| sum += value);
+    walk.subpath.throughput * sum / photons.emitted.max(1) as f32
+}
+
+/// Hands on the photons that are merged with the vertex where a camera walk has arrived, each with its light there: not yet
+/// times the walk's throughput, nor divided by the number of light walks.
+#[inline]
+pub fn for_merged(
+    connector: &Connector<'_>,
+    photons: &PassPhotons<'_>,
+    walk: &Walk,
+    at: &Interaction<'_>,
+    mut add: impl FnMut(&Photon, Rgb),
+) {
     let tables = connector.tables;
     let cache = &photons.cache;
-    let mut sum = Vec3::ZERO;
     for_photons_within(
         cache,
         at.point.position,
@@ -110,8 +124,8 @@ pub fn merge(
                 at.point.position,
             );
             let k = mollifier::eval_scaled(KERNEL, 2, float::sqrt(distance2), photons.radius);
-            sum += vec3(photon.throughput) * seen.value * (k * weight / cosine);
+            let value = vec3(photon.throughput) * seen.value * (k * weight / cosine);
+            add(photon, value);
         },
     );
-    walk.subpath.throughput * sum / photons.emitted.max(1) as f32
 }

@@ -16,6 +16,7 @@
 
 pub mod adaptive;
 pub mod cache;
+pub mod divided;
 pub mod estimate;
 pub mod merging;
 pub mod progressive;

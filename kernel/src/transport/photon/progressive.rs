@@ -24,14 +24,14 @@
 //! Invariants (tests): the mean goes to that of path tracing as the radius shrinks; merging alone of vertex connection and
 //! merging agrees.
 
-use super::cache::PhotonCache;
+use super::cache::{Photon, PhotonCache};
 use super::estimate::{KERNEL, for_photons_within, scattered};
 use super::schedule;
 use super::tracing::{PhotonTracer, is_the_only_way};
 use crate::math::{Rgb, float, vec3};
 use crate::path::rules::step;
 use crate::path::{
-    Connector, Contribution, Heuristic, Interaction, PartialWeights, PhotonDensity, ShadingPoint,
+    Connector, Contributions, Heuristic, Interaction, PartialWeights, PhotonDensity, ShadingPoint,
     Strategies, Walk,
 };
 use crate::regularize::mollifier;
@@ -129,7 +129,7 @@ impl<'a> Progressive<'a> {
         site: &mut ShadingPoint,
         emitted: u32,
         mut gather: impl FnMut(&Walk, &Interaction<'_>, bool) -> Rgb,
-        mut add: impl FnMut(Contribution),
+        mut add: impl Contributions,
     ) -> (Rgb, u32) {
         let connector = &self.connector;
         let (mut found, next) = connector.arrive(walk, hit, site);
@@ -152,7 +152,7 @@ impl<'a> Progressive<'a> {
                 connector.next_event(walk, &at, u_select, u)
             };
             if lit.is_some() {
-                add(lit);
+                add.add_at(lit, &at);
             }
             let sum = gather(walk, &at, !is_rough);
             found += walk.subpath.throughput * sum / emitted.max(1) as f32;
@@ -179,8 +179,25 @@ impl<'a> Progressive<'a> {
         radius: f32,
         only_unfound: bool,
     ) -> Rgb {
-        let connector = &self.connector;
         let mut sum = Vec3::ZERO;
+        self.for_gathered(walk, at, cache, radius, only_unfound, |_, value| {
+            sum += value;
+        });
+        sum
+    }
+
+    /// Hands on the photons that [`Progressive::gather`] sums, each with its light.
+    #[inline]
+    pub fn for_gathered(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        cache: &PhotonCache<'_>,
+        radius: f32,
+        only_unfound: bool,
+        mut add: impl FnMut(&Photon, Rgb),
+    ) {
+        let connector = &self.connector;
         for_photons_within(cache, at.point.position, radius, |index, distance2| {
             let photon = &cache.photons[index as usize];
             let edges = photon
@@ -194,9 +211,8 @@ impl<'a> Progressive<'a> {
             if value.max_element() > 0.0 {
                 let distance = float::sqrt(distance2);
                 let k = mollifier::eval_scaled(KERNEL, 2, distance, radius);
-                sum += vec3(photon.throughput) * value * k;
+                add(photon, vec3(photon.throughput) * value * k);
             }
         });
-        sum
     }
 }

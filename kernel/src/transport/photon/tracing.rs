@@ -61,6 +61,7 @@ impl PhotonTracer<'_> {
             d_vcm: walk.arrived.d_vcm,
             d_vc: walk.arrived.d_vc,
             depth: walk.subpath.depth + 1,
+            beside: 0,
         };
         let at = site
             .interaction(direction)

@@ -28,7 +28,7 @@ pub(super) struct SampleLanes<const N: usize> {
 impl<const N: usize> SampleLanes<N> {
     /// The sample at slot `k < N`.
     #[inline(always)]
-    fn get(&self, k: usize) -> BsdfSample {
+    pub(super) fn get(&self, k: usize) -> BsdfSample {
         BsdfSample {
             wo: self.wo.get(k),
             weight: self.weight.get(k),

@@ -2,6 +2,7 @@
 
 use super::bsdf_variant;
 use super::camera_rays::FilmLanes;
+use super::division::WaveDivision;
 use super::paths::{self, NextPathLanes, PathLanes};
 use super::queues::{self, ShadingQueues, TracedPaths, queue_of};
 use super::shading::{Shaded, ShadingLanes, VariantQueue, VariantShading};
@@ -81,12 +82,27 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
     ) -> &[Rgb] {
+        self.run_divided(simd, view, settings, None)
+    }
+
+    /// [`Wavefront::run`] that also divides the light of the paths; where nothing counts but the paths of the first
+    /// expression, what is returned is that part.
+    pub fn run_divided<T: Traverse>(
+        &mut self,
+        simd: SimdLevel,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        mut division: Option<&mut WaveDivision<'_>>,
+    ) -> &[Rgb] {
         let count = self.count as usize;
         self.count = 0;
         let searches = self.shading.searches();
         self.film
             .generate::<S>(simd, &view.tables, count, searches, &mut self.paths);
         self.radiance[..count].fill(Rgb::ZERO);
+        if let Some(division) = &mut division {
+            division.begin(count);
+        }
         let mut active = if settings.rules.max_depth > 0 {
             count
         } else {
@@ -99,12 +115,16 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
                 view,
                 settings,
                 count: active,
+                division: division.as_deref_mut(),
             };
             bounce(&mut driver, WavefrontBounce::shade);
             active = self.compact(simd);
         }
         for k in 0..count {
             self.radiance[k] *= self.film.weight[k];
+            if let Some(division) = &mut division {
+                self.radiance[k] = division.finish(k, self.film.weight[k]);
+            }
         }
         &self.radiance[..count]
     }
@@ -114,6 +134,7 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         simd: SimdLevel,
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
+        division: Option<&mut WaveDivision<'_>>,
     ) {
         let queued = self.queues.queued(queues::ESCAPED, &self.paths);
         if tables.info.environment == NONE || queued.segment.count == 0 {
@@ -121,11 +142,19 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         }
         self.shading
             .shade_escaped(simd, tables, settings, &queued, &mut self.radiance);
+        if let Some(division) = division {
+            division.escaped(tables, &queued, &mut self.radiance);
+        }
     }
 
     /// The bounce of the paths in the fallback queue, each as a single path takes it.
     #[inline(never)]
-    fn shade_one_by_one<T: Traverse>(&mut self, view: &SceneView<'_, T>, rules: PathRules) {
+    fn shade_one_by_one<T: Traverse>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        rules: PathRules,
+        mut division: Option<&mut WaveDivision<'_>>,
+    ) {
         let mut bsdf = Bsdf::BLACK;
         let queued = self.queues.queued(queues::FALLBACK, &self.paths);
         for k in queued.segment.occupied::<N>() {
@@ -135,7 +164,13 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
             let path = self.paths.gather(i);
             let mut driver = SinglePath::new(view, rules, &mut sampler, &mut bsdf, path);
             driver.hit = self.hits.get((i as usize).min(N - 1));
+            let (direction, depth) = (path.subpath.ray.direction, path.subpath.depth);
             shade(&mut driver);
+            if let Some(division) = &mut division {
+                let expressions = division.expressions;
+                let (beside, parts) = division.path(index);
+                beside.shaded(&expressions, &mut driver, direction, depth, parts);
+            }
             let (path, shadow_ray) = (driver.path, driver.shadow_ray);
             let continues = driver.next != step::END;
             self.radiance[index] += path.radiance;
@@ -154,6 +189,7 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         simd: SimdLevel,
         tables: &Tables<'_>,
         rules: PathRules,
+        mut division: Option<&mut WaveDivision<'_>>,
     ) {
         for is_textured in [false, true] {
             let queue = queue_of(VARIANT, is_textured);
@@ -179,11 +215,26 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
                 },
                 sampler: PhantomData,
             });
+            if let Some(division) = &mut division {
+                division.shaded::<VARIANT, N>(
+                    tables,
+                    &queued,
+                    &self.shading,
+                    &mut self.next,
+                    &mut self.shadow_rays,
+                    &mut self.radiance,
+                );
+            }
         }
     }
 
     /// Adds the emitter samples that are visible.
-    fn trace_shadow_rays<T: Traverse>(&mut self, simd: SimdLevel, view: &SceneView<'_, T>) {
+    fn trace_shadow_rays<T: Traverse>(
+        &mut self,
+        simd: SimdLevel,
+        view: &SceneView<'_, T>,
+        mut division: Option<&mut WaveDivision<'_>>,
+    ) {
         let mut count = 0;
         for queue in queues::FALLBACK..queues::COUNT {
             let segment = self.queues.segments[queue];
@@ -196,6 +247,13 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         if view.tables.info.flags & scene_flag::HAS_NULL == 0 {
             view.traverse
                 .are_occluded(&self.traced.rays, count, &mut self.hits);
+            if let Some(division) = division {
+                for j in (0..count.min(N)).filter(|j| !self.hits.is_hit(*j)) {
+                    let i = (self.traced.index[j] as usize).min(N - 1);
+                    division.lit(i, self.traced.radiance.get(j));
+                }
+                return;
+            }
             self.traced
                 .accumulate(&self.hits, count, &mut self.radiance);
             return;
@@ -203,7 +261,10 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         for j in 0..count {
             let light = self.traced.radiance.get(j) * transmittance(view, self.traced.rays.get(j));
             let i = (self.traced.index[j] as usize).min(N - 1);
-            self.radiance[i] += light;
+            match &mut division {
+                Some(division) => division.lit(i, light),
+                None => self.radiance[i] += light,
+            }
         }
     }
 
@@ -225,15 +286,16 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
 }
 
 /// The first `count` paths of a wavefront in a bounce.
-struct WavefrontBounce<'a, T: Traverse, S, const N: usize> {
+struct WavefrontBounce<'a, 'd, T: Traverse, S, const N: usize> {
     wavefront: &'a mut Wavefront<S, N>,
     simd: SimdLevel,
     view: &'a SceneView<'a, T>,
     settings: &'a IntegratorSettings,
     count: usize,
+    division: Option<&'a mut WaveDivision<'d>>,
 }
 
-impl<T: Traverse, S: LaneSampler, const N: usize> Rays for WavefrontBounce<'_, T, S, N> {
+impl<T: Traverse, S: LaneSampler, const N: usize> Rays for WavefrontBounce<'_, '_, T, S, N> {
     fn trace(&mut self) {
         let (wavefront, view) = (&mut *self.wavefront, self.view);
         view.traverse
@@ -249,19 +311,26 @@ impl<T: Traverse, S: LaneSampler, const N: usize> Rays for WavefrontBounce<'_, T
     }
 
     fn trace_shadow_rays(&mut self) {
-        self.wavefront.trace_shadow_rays(self.simd, self.view);
+        let division = self.division.as_deref_mut();
+        self.wavefront
+            .trace_shadow_rays(self.simd, self.view, division);
     }
 }
 
-impl<T: Traverse, S: LaneSampler, const N: usize> WavefrontBounce<'_, T, S, N> {
+impl<T: Traverse, S: LaneSampler, const N: usize> WavefrontBounce<'_, '_, T, S, N> {
     /// All queues, one after the other.
     fn shade(&mut self) {
         let (simd, tables, rules) = (self.simd, &self.view.tables, self.settings.rules);
-        self.wavefront.shade_escaped(simd, tables, self.settings);
-        self.wavefront.shade_one_by_one(self.view, rules);
+        let settings = self.settings;
+        self.wavefront
+            .shade_escaped(simd, tables, settings, self.division.as_deref_mut());
+        self.wavefront
+            .shade_one_by_one(self.view, rules, self.division.as_deref_mut());
         macro_rules! shade {
             ($($variant:ident)*) => {$(
-                self.wavefront.shade_variant::<{ bsdf_variant::$variant }>(simd, tables, rules);
+                self.wavefront.shade_variant::<{ bsdf_variant::$variant }>(
+                    simd, tables, rules, self.division.as_deref_mut(),
+                );
             )*};
         }
         shade!(DIFFUSE ROUGH_DIFFUSE CONDUCTOR DIELECTRIC THIN_DIELECTRIC PLASTIC);

@@ -14,6 +14,7 @@
 //! | `shading` | the bounce of a queue, step by step |
 //! | `surfaces`, `lobes`, `textures` | surface points and material parameters |
 //! | `emitter_samples`, `environment`, `cdf_search` | next event estimation |
+//! | `division` | parts of paths by path expressions |
 //! | `scattering`, `microfacet_normals`, `bsdf_samples` | sampled directions |
 //!
 //! Invariant (tests): the results are those of single paths, to the bit.
@@ -22,6 +23,7 @@ mod bsdf_samples;
 pub mod bsdf_variant;
 mod camera_rays;
 mod cdf_search;
+mod division;
 mod driver;
 mod emitter_samples;
 mod environment;
@@ -37,4 +39,5 @@ mod shadow_rays;
 mod surfaces;
 mod textures;
 
+pub use division::WaveDivision;
 pub use driver::Wavefront;

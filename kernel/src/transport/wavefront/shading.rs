@@ -32,12 +32,12 @@ use core::marker::PhantomData;
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct ShadingLanes<const N: usize> {
-    points: PointLanes<N>,
-    lobes: LobeLanes<N>,
+    pub(super) points: PointLanes<N>,
+    pub(super) lobes: LobeLanes<N>,
     numbers: NumberLanes<N>,
     normals: NormalLanes<N>,
-    samples: SampleLanes<N>,
-    lights: EmitterSampleLanes<N>,
+    pub(super) samples: SampleLanes<N>,
+    pub(super) lights: EmitterSampleLanes<N>,
     environment: EnvironmentLanes<N>,
     searches: SearchLanes<N>,
     textures: TextureLanes<N>,

@@ -40,8 +40,8 @@ pub struct GroupSize {
 
 /// What became of a group.
 pub struct GroupImage {
-    /// Sums of the splats over all mutations, by rows of pixels.
-    pub sums: Vec<[f32; 3]>,
+    /// Sums of the splats over all mutations, by rows of pixels: of the image, then of its parts.
+    pub sums: Vec<Vec<[f32; 3]>>,
     /// What became of each kind of mutation.
     pub counts: Vec<MutationCounts>,
     /// What became of the mutations of the paths that each pixel sees, if that was asked for.
@@ -59,7 +59,8 @@ struct Weighed {
 /// A chain and what it has splatted since the last sum, by bands of rows.
 struct Task<C> {
     chain: C,
-    bands: Vec<Vec<Splat>>,
+    /// Each with the image that it falls on.
+    bands: Vec<Vec<(u32, Splat)>>,
     records: Vec<StepRecord>,
 }
 
@@ -71,12 +72,13 @@ pub fn run<A: ChainAlgorithm>(
     offset: f32,
     filter: &SplatFilter,
     [width, height]: [u32; 2],
+    images: usize,
     with_steps: bool,
     stop: &Stop<'_>,
 ) -> Option<GroupImage> {
     let pixels = width as usize * height as usize;
     let mut image = GroupImage {
-        sums: vec![[0.0; 3]; pixels],
+        sums: vec![vec![[0.0; 3]; pixels]; images],
         counts: vec![MutationCounts::default(); algorithm.mutations().len()],
         steps: with_steps.then(|| vec![ChainSteps::default(); pixels]),
     };
@@ -119,6 +121,7 @@ pub fn run<A: ChainAlgorithm>(
                 bands.iter_mut().for_each(Vec::clear);
                 records.clear();
                 let mut add = |splat: halflight_kernel::transport::markov::Splat| {
+                    let image = splat.image;
                     let splat = Splat {
                         film: splat.film,
                         value: splat.value,
@@ -126,7 +129,7 @@ pub fn run<A: ChainAlgorithm>(
                     let rows = filter.rows(&splat);
                     if !rows.is_empty() {
                         for band in rows.start / BAND..=(rows.end - 1) / BAND {
-                            bands[band as usize].push(splat);
+                            bands[band as usize].push((image, splat));
                         }
                     }
                 };
@@ -146,17 +149,15 @@ pub fn run<A: ChainAlgorithm>(
                 records.for_each(|record| add_record(steps, record, filter, [width, height]));
             }
             let rows = BAND as usize * width as usize;
-            image
-                .sums
-                .par_chunks_mut(rows)
-                .enumerate()
-                .for_each(|(band, sums)| {
-                    for task in &tasks {
-                        for splat in &task.bands[band] {
-                            filter.add(splat, band as u32 * BAND, sums);
-                        }
+            for (index, sums) in image.sums.iter_mut().enumerate() {
+                let bands = sums.par_chunks_mut(rows).enumerate();
+                bands.for_each(|(band, sums)| {
+                    let splats = tasks.iter().flat_map(|task| &task.bands[band]);
+                    for (_, splat) in splats.filter(|(image, _)| *image as usize == index) {
+                        filter.add(splat, band as u32 * BAND, sums);
                     }
                 });
+            }
         }
         for task in &tasks {
             for (sum, counts) in image.counts.iter_mut().zip(A::counts(&task.chain)) {

@@ -13,6 +13,7 @@
 mod group;
 
 use super::backend::PassEnd;
+use super::divided_layers::Division;
 use super::options::{Goal, RenderOptions};
 use super::splat::SplatFilter;
 use super::stop::Stop;
@@ -25,12 +26,14 @@ use crate::scene::build::Scene;
 use glam::Vec3;
 use group::{GroupImage, GroupSize};
 use halflight_kernel::path::PathRules;
+use halflight_kernel::path::expression::MAX_PARTS;
 use halflight_kernel::sampler::{FreshSamples, IndependentSampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::divided::sample_divided_pixel;
 use halflight_kernel::transport::markov::primary_space::PrimarySpace;
 use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains, VeachChains};
-use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind, sample_pixel};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Rows that a thread adds to the film at a time.
@@ -85,6 +88,7 @@ impl MutationsPerPixel {
 pub fn render_groups<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
+    division: Option<Division<'_>>,
     options: &RenderOptions,
     film: &mut Film,
     groups: u32,
@@ -106,11 +110,15 @@ pub fn render_groups<T: Traverse + Sync>(
         let is_complete = match &of_samples {
             Some(chains) => {
                 let chains = chains.of_group(group);
-                add_group(view, settings, options, film, group, &chains, stop)
+                add_group(view, settings, None, options, film, group, &chains, stop)
             }
             None => {
                 let chains = VeachChains::new(view, settings, min_edges, options.seed, group);
-                add_group(view, settings, options, film, group, &chains, stop)
+                let chains = chains.divided(division.map(|division| division.expressions));
+                let division = division.as_ref();
+                add_group(
+                    view, settings, division, options, film, group, &chains, stop,
+                )
             }
         };
         if !is_complete {
@@ -124,6 +132,7 @@ pub fn render_groups<T: Traverse + Sync>(
 fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
+    division: Option<&Division<'_>>,
     options: &RenderOptions,
     film: &mut Film,
     group: u32,
@@ -150,7 +159,10 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     let offset = FreshSamples::new(options.seed ^ START_STREAM, group, 0).number(0);
     let filter = SplatFilter::new(&view.tables.camera);
     let with_steps = Aov::OF_CHAINS.iter().any(|aov| film.aovs().contains(*aov));
-    let Some(image) = group::run(algorithm, plan, offset, &filter, size, with_steps, stop) else {
+    let images = 1 + division.map_or(0, |division| division.count);
+    let Some(image) = group::run(
+        algorithm, plan, offset, &filter, size, images, with_steps, stop,
+    ) else {
         return false;
     };
     for (name, counts) in algorithm.mutations().iter().zip(&image.counts) {
@@ -160,7 +172,16 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
         film.chain_counts_mut().add(name, counts);
     }
     let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
-    add_to_film(view, settings, options, film, group, &image, scale as f32);
+    add_to_film(
+        view,
+        settings,
+        division,
+        options,
+        film,
+        group,
+        &image,
+        scale as f32,
+    );
     true
 }
 
@@ -168,6 +189,7 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
 fn add_to_film<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
+    division: Option<&Division<'_>>,
     options: &RenderOptions,
     film: &mut Film,
     group: u32,
@@ -194,21 +216,39 @@ fn add_to_film<T: Traverse + Sync>(
                 let index = pixel[1]
                     .wrapping_mul(camera.film_size[0])
                     .wrapping_add(pixel[0]);
-                let mut value = Vec3::from_array(image.sums[(y * width + x) as usize]) * scale;
+                let sum = |image: &Vec<[f32; 3]>| {
+                    Vec3::from_array(image[(y * width + x) as usize]) * scale
+                };
+                let mut value = sum(&image.sums[0]);
+                let mut parts: Vec<Vec3> = image.sums[1..].iter().map(sum).collect();
                 for i in 0..direct {
                     let number = group.wrapping_mul(direct).wrapping_add(i);
                     let seed = options.seed ^ DIRECT_STREAM;
                     let mut sampler = IndependentSampler::new(seed, index, number);
-                    let found = halflight_kernel::transport::sample_pixel(
-                        view,
-                        &direct_settings,
-                        &mut sampler,
-                        pixel,
-                    );
+                    let found = match division {
+                        None => sample_pixel(view, &direct_settings, &mut sampler, pixel),
+                        Some(division) => {
+                            let mut own = [Vec3::ZERO; MAX_PARTS];
+                            let own = &mut own[..division.expressions.count as usize];
+                            let found = sample_divided_pixel(
+                                view,
+                                &direct_settings,
+                                &division.expressions,
+                                &mut sampler,
+                                pixel,
+                                own,
+                            );
+                            for (part, own) in parts.iter_mut().zip(&own[division.first..]) {
+                                *part += *own / direct as f32;
+                            }
+                            found
+                        }
+                    };
                     value += found / direct as f32;
                 }
                 let mut entry = band.pixel_mut(x, y);
                 entry.add_sample(value);
+                entry.add_parts(value, &parts);
                 if let Some(steps) = &image.steps {
                     entry.add_chain_steps(&steps[(y * width + x) as usize]);
                 }

@@ -2,10 +2,12 @@
 
 use super::reading::Reading;
 use crate::accel::GroupRange;
+use crate::expression::SceneNames;
 use crate::scene::tables::SceneTables;
+use crate::scene::xml::{Object, Value};
 use halflight_kernel::scene::{Camera, NONE, SceneInfo};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where a table of rough transmittance lies in the data.
 #[derive(Clone, Copy)]
@@ -22,6 +24,8 @@ pub(super) struct TransmittanceTable {
 pub(super) struct Builder {
     /// The records so far.
     pub tables: SceneTables,
+    /// What records are called.
+    pub names: SceneNames,
     /// Materials by object index.
     pub materials: HashMap<usize, u32>,
     /// The material of shapes that name none: plain, of emitters, and of boundaries of media.
@@ -71,6 +75,7 @@ impl Builder {
                 },
                 groups: vec![GroupRange::default()],
             },
+            names: SceneNames::default(),
             materials: HashMap::new(),
             default_materials: [None; 3],
             textures: HashMap::new(),
@@ -80,4 +85,24 @@ impl Builder {
             meter: None,
         }
     }
+}
+
+/// Names the last of `count` records; those before it that have no name get none.
+pub(super) fn name_last(names: &mut Vec<String>, count: usize, name: &str) {
+    names.resize(count.max(1) - 1, String::new());
+    names.push(name.to_owned());
+}
+
+/// What a record of an object is called: its id, or the stem of the name of its file.
+pub(super) fn name_of(object: &Object) -> String {
+    if let Some(id) = &object.id {
+        return id.clone();
+    }
+    let file = object.properties.iter().find(|p| p.name == "filename");
+    let stem = file.and_then(|p| match &p.value {
+        Value::String(name) => Path::new(name).file_stem(),
+        _ => None,
+    });
+    stem.map(|s| s.to_string_lossy().into_owned())
+        .unwrap_or_default()
 }

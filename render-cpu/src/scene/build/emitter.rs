@@ -1,6 +1,6 @@
 //! Emitter plugins to records, with their sampling tables.
 
-use super::builder::Builder;
+use super::builder::{Builder, name_last};
 use super::reading::Reading;
 use super::texture::{MeshAttributes, expect_constant};
 use crate::scene::color::ColorUse;
@@ -42,6 +42,10 @@ impl Builder {
                     "emitters of type \"{other}\" are not supported; it is left out"
                 ))?,
             }
+            if self.names.emitters.len() < self.tables.emitters.len() {
+                let name = object.id.as_deref().unwrap_or(&object.plugin);
+                name_last(&mut self.names.emitters, self.tables.emitters.len(), name);
+            }
         }
         Ok(())
     }
@@ -68,6 +72,9 @@ impl Builder {
         }
         self.tables.data.extend_from_slice(&areas);
         self.tables.emitters.push(record);
+        let of_shape = self.names.shapes.get(shape as usize).cloned();
+        let name = object.id.clone().or(of_shape).unwrap_or_default();
+        name_last(&mut self.names.emitters, self.tables.emitters.len(), &name);
         Ok(())
     }
 

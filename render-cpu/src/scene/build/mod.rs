@@ -19,7 +19,9 @@ mod sensor;
 mod shape;
 mod texture;
 
+use crate::expression::{PartsError, PartsRequest, PathParts, SceneNames};
 use crate::film::aov::AovSet;
+use crate::integrators::divides_paths;
 use crate::scene::error::{SceneError, Warning};
 use crate::scene::tables::SceneTables;
 use crate::scene::xml::unused::warn_unused;
@@ -36,6 +38,10 @@ pub use sensor::all as all_sensors;
 pub struct Scene {
     /// All records.
     pub tables: SceneTables,
+    /// What its records are called.
+    pub names: SceneNames,
+    /// The parts into which path expressions divide its image.
+    pub parts: PathParts,
     /// Which algorithm, with its parameters.
     pub settings: IntegratorSettings,
     /// Its plugin name.
@@ -54,6 +60,23 @@ pub struct Scene {
     pub warnings: Vec<Warning>,
     /// Plugins by kind and name, with how often each occurs.
     pub plugins: Vec<(String, usize)>,
+}
+
+impl Scene {
+    /// Divides the image by path expressions.
+    ///
+    /// # Errors
+    /// A mistake in an expression, or an algorithm that does not know the paths of what it adds.
+    pub fn divide(&mut self, request: &PartsRequest) -> Result<(), PartsError> {
+        if !request.is_empty() && !divides_paths(self.settings.kind) {
+            return Err(PartsError::Algorithm(self.integrator.clone()));
+        }
+        if !request.is_empty() && self.settings.regularization.is_some() {
+            return Err(PartsError::Regularized);
+        }
+        self.parts = PathParts::new(request, &self.tables.view(), &self.names)?;
+        Ok(())
+    }
 }
 
 /// Builds the tables of a parsed scene.
@@ -80,6 +103,8 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     warn_unused(root)?;
     Ok(Scene {
         tables: builder.tables,
+        names: builder.names,
+        parts: PathParts::default(),
         settings: integrator.settings,
         integrator: integrator.name,
         layers: integrator.layers,

@@ -6,7 +6,7 @@ mod load;
 mod placement;
 mod surfaces;
 
-use super::builder::Builder;
+use super::builder::{Builder, name_last, name_of};
 use super::texture::MeshAttributes;
 use crate::accel::GroupRange;
 use crate::mesh::Mesh;
@@ -50,6 +50,8 @@ impl Builder {
             self.tables
                 .instances
                 .push(instance(to_world, group, &object)?);
+            let count = self.tables.instances.len();
+            name_last(&mut self.names.instances, count, &name_of(&object));
         }
         if self
             .tables
@@ -316,6 +318,7 @@ impl Builder {
                 emission.warn("shapes in a group cannot emit light; the emitter is left out")?;
             }
             self.tables.shapes.push(shape);
+            self.name_last_shape(object);
             if in_world {
                 self.add_area_emitter(&emission, index, attributes)?;
                 debug_assert_eq!(
@@ -325,6 +328,7 @@ impl Builder {
             }
         } else {
             self.tables.shapes.push(shape);
+            self.name_last_shape(object);
         }
         if is_meter {
             self.measure_irradiance_on(object, index, in_world)?;
@@ -354,6 +358,14 @@ impl Builder {
         self.tables.camera.shape_areas = self.tables.data.len() as u32;
         self.tables.data.extend_from_slice(&areas);
         Ok(())
+    }
+
+    fn name_last_shape(&mut self, object: &Object) {
+        name_last(
+            &mut self.names.shapes,
+            self.tables.shapes.len(),
+            &name_of(object),
+        );
     }
 }
 

@@ -5,6 +5,7 @@ use super::candidate;
 use super::perturbation::{caustic_start, propose_from_light, propose_from_sensor, sensor_chain};
 use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::Bsdf;
+use crate::path::PathExpressions;
 use crate::path::tracer::Tracer;
 use crate::sampler::{FreshSamples, Sampler, mix};
 use crate::scene::{SceneView, Traverse};
@@ -44,6 +45,8 @@ pub struct VeachChains<'a, T: Traverse> {
     half_vectors: HalfVectorSettings,
     seed: u32,
     group: u32,
+    /// What the image is divided by.
+    expressions: Option<PathExpressions<'a>>,
 }
 
 /// A chain.
@@ -88,6 +91,49 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
             half_vectors: HalfVectorSettings::new(own),
             seed,
             group,
+            expressions: None,
+        }
+    }
+
+    /// With an image for each path expression beside the whole. Where nothing counts but the paths of the first, those are the
+    /// image, and the others follow.
+    #[must_use]
+    pub fn divided(mut self, expressions: Option<PathExpressions<'a>>) -> Self {
+        self.expressions = expressions;
+        self
+    }
+
+    /// Adds F / I of a path times `factor` to the image and to its parts.
+    fn add_path(&self, path: &ChainPath, factor: f32, add: &mut impl FnMut(Splat)) {
+        let value = path.value * (factor / path.luminance());
+        let whole = Splat {
+            film: path.film,
+            value,
+            image: 0,
+        };
+        let Some(expressions) = &self.expressions else {
+            add(whole);
+            return;
+        };
+        let tables = &self.tracer.view.tables;
+        let mut bsdf = Bsdf::BLACK;
+        let shares = path.shares(tables, expressions, &mut bsdf);
+        if expressions.only == 0 {
+            add(whole);
+        }
+        if shares.is_none() {
+            return;
+        }
+        for part in 0..expressions.count {
+            let value = value * shares.of(part as usize);
+            if value.max_element() > 0.0 {
+                let image = part + 1 - expressions.only;
+                add(Splat {
+                    value,
+                    image,
+                    ..whole
+                });
+            }
         }
     }
 
@@ -246,13 +292,13 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             core::mem::swap(&mut chain.current, &mut chain.proposed);
             chain.pending = acceptance;
         } else if acceptance > 0.0 {
-            add(splat(&chain.proposed, acceptance * b));
+            self.add_path(&chain.proposed, acceptance * b, add);
         }
     }
 
     fn finish(&self, chain: &mut VeachChain, b: f32, add: &mut impl FnMut(Splat)) {
         if chain.pending > 0.0 {
-            add(splat(&chain.current, chain.pending * b));
+            self.add_path(&chain.current, chain.pending * b, add);
             chain.pending = 0.0;
         }
     }
@@ -274,13 +320,5 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
 
     fn counts(chain: &VeachChain) -> &[MutationCounts] {
         &chain.counts
-    }
-}
-
-/// F / I of a path times `factor`.
-fn splat(path: &ChainPath, factor: f32) -> Splat {
-    Splat {
-        film: path.film,
-        value: path.value * (factor / path.luminance()),
     }
 }

@@ -14,7 +14,7 @@ mod principled;
 mod principled_thin;
 mod scattering_layer;
 
-use super::builder::Builder;
+use super::builder::{Builder, name_last};
 use super::texture::MeshAttributes;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind, Value};
@@ -80,6 +80,8 @@ impl Builder {
             )));
         }
         let index = self.push_material(lobes);
+        let name = object.id.as_deref().unwrap_or_default();
+        name_last(&mut self.names.materials, self.tables.materials.len(), name);
         if !bound {
             self.materials.insert(object.index, index);
         }

@@ -1,0 +1,115 @@
+//! Photon mapping whose light is divided by path expressions ([`crate::path::expression`]).
+//!
+//! A light walk leaves its states beside each photon; a camera walk that finds the photon reads the vertex where both meet, and
+//! joins them. The walks are those of [`super::progressive`].
+
+use super::progressive::Progressive;
+use super::tracing::{PhotonStore, PhotonTracer};
+use crate::path::rules::step;
+use crate::path::{
+    Contribution, PathExpressions, PathStates, Scattered, ShadingPoint, Shares, Walk,
+};
+use crate::sampler::Sampler;
+use crate::scene::camera::CameraSample;
+use crate::scene::{Hit, SceneView, Tables, Traverse};
+use crate::transport::bidirectional::{DividedPhotons, DividedSample, Lent, StateStore, Watcher};
+use core::cell::RefCell;
+use glam::Vec3;
+
+/// Where photons are kept with the states of their walks.
+pub trait DividedStore: PhotonStore {
+    /// The states before the vertex whose photons come next.
+    fn set_states(&mut self, states: &PathStates);
+}
+
+/// [`PhotonTracer::light_bounce`] of a walk that reads expressions; it ends where nothing that counts can come of it.
+pub fn divided_light_bounce<S: Sampler, P: DividedStore>(
+    tracer: &PhotonTracer<'_>,
+    tables: &Tables<'_>,
+    expressions: &PathExpressions<'_>,
+    walk: &mut Walk,
+    states: &mut PathStates,
+    sampler: &mut S,
+    hit: &Hit,
+    site: &mut ShadingPoint,
+    store: &mut P,
+) -> u32 {
+    let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
+    store.set_states(states);
+    let next = tracer.light_bounce(walk, sampler, hit, site, store);
+    if next == step::TRACE && walk.subpath.depth > depth {
+        let at = site.interaction(direction);
+        let wo = at.point.frame.to_local(walk.subpath.ray.direction);
+        let scattered = Scattered::sampled(at.bsdf, tables.data, at.wi, wo, walk.event);
+        let automaton = &expressions.from_light;
+        *states = states.after(expressions, automaton, at.point, &scattered);
+        if expressions.only != 0 && states.is_dead() {
+            return step::END;
+        }
+    }
+    next
+}
+
+/// One camera walk of progressive photon mapping among the photons of a pass; `add` takes what it finds with the shares of the
+/// expressions in it.
+pub fn sample_among_photons<T: Traverse, S: Sampler, K: StateStore>(
+    view: &SceneView<'_, T>,
+    algorithm: &Progressive<'_>,
+    expressions: &PathExpressions<'_>,
+    photons: &DividedPhotons<'_>,
+    sampler: &mut S,
+    seen: &CameraSample,
+    states: &mut K,
+    add: impl FnMut(Contribution, &Shares),
+) {
+    let connector = &algorithm.connector;
+    let mut divided =
+        DividedSample::new(view, connector, *expressions, Some(*photons), states, add);
+    let divided = RefCell::new(&mut divided);
+    let of_pass = &photons.photons;
+    let mut site = ShadingPoint::NONE;
+    let mut walk = Walk::from_sensor(seen);
+    let mut next = if walk.subpath.may_continue(&connector.rules) {
+        step::TRACE
+    } else {
+        step::END
+    };
+    while next == step::TRACE {
+        let hit = view.traverse.closest_hit(&walk.subpath.ray);
+        let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
+        let (found, after) = algorithm.camera_bounce(
+            &mut walk,
+            sampler,
+            &hit,
+            &mut site,
+            of_pass.emitted,
+            |walk, at, only_unfound| {
+                let (cache, radius) = (&of_pass.cache, of_pass.radius);
+                algorithm.for_gathered(walk, at, cache, radius, only_unfound, |photon, light| {
+                    divided.borrow_mut().gather(walk, at, photon, light);
+                });
+                Vec3::ZERO
+            },
+            Lent(&divided),
+        );
+        let mut divided = divided.borrow_mut();
+        if found.max_element() > 0.0 {
+            let emitter = if hit.is_hit() {
+                site.point.emitter
+            } else {
+                view.tables.info.environment
+            };
+            let met = Contribution {
+                value: found,
+                t: depth + 2,
+                ..Contribution::NONE
+            };
+            divided.met(met, emitter);
+        }
+        next = after;
+        let has_scattered = next == step::TRACE && walk.subpath.depth > depth;
+        if has_scattered && !divided.scattered(&walk, &site.interaction(direction)) {
+            next = step::END;
+        }
+    }
+}

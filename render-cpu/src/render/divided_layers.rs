@@ -1,0 +1,333 @@
+//! The driver of algorithms with light walks, photon mapping among them, for images that path expressions divide: layers of samples, as in `splatting`, each
+//! with an image for every part.
+//!
+//! Samples are taken one by one, because what is divided follows each of its walks. Samples and splats are added in the order
+//! of rows and samples, so that the sums depend on the layer's index alone.
+
+use super::backend::PassEnd;
+use super::bidirectional_job::Vertices;
+use super::options::RenderOptions;
+use super::photon_cache::SortedPhotons;
+use super::photon_pass::{Idle, PhotonTask};
+use super::pilot::PilotDensity;
+use super::splat::{Splat, SplatFilter};
+use super::splatting::{Tile, pixel, tile_samples, trace_photons};
+use super::stop::Stop;
+use super::tile_job::surface_sample;
+use crate::expression::PathParts;
+use crate::film::Film;
+use glam::Vec3;
+use halflight_kernel::math::Rgb;
+use halflight_kernel::path::{PathExpressions, PathStates, PhotonDensity, Shares};
+use halflight_kernel::sampler::LaneSampler;
+use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::bidirectional::{
+    Bidirectional, DividedPhotons, DividedSample, StateStore, counted, sample_watched,
+};
+use halflight_kernel::transport::photon::divided::sample_among_photons;
+use halflight_kernel::transport::photon::merging::PassPhotons;
+use halflight_kernel::transport::photon::progressive::{Progressive, light_walks, pass_radius};
+use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use std::sync::OnceLock;
+
+/// Rows whose samples one thread takes, and whose splats one thread adds, at a time.
+const ROWS: u32 = 8;
+
+/// What is divided.
+#[derive(Clone, Copy)]
+pub(super) struct Division<'a> {
+    /// The expressions.
+    pub expressions: PathExpressions<'a>,
+    /// The first that is a layer.
+    pub first: usize,
+    /// Number of layers.
+    pub count: usize,
+}
+
+impl<'a> Division<'a> {
+    /// By a scene's parts; none if it has none.
+    pub fn new(parts: &'a PathParts) -> Option<Division<'a>> {
+        Some(Division {
+            expressions: parts.view()?,
+            first: parts.first_layer(),
+            count: parts.request().layers.len(),
+        })
+    }
+}
+
+/// The states along a light walk.
+#[derive(Default)]
+struct States(Vec<PathStates>);
+
+impl StateStore for States {
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn push(&mut self, states: &PathStates) {
+        self.0.push(*states);
+    }
+
+    fn get(&self, index: usize) -> PathStates {
+        self.0.get(index).copied().unwrap_or(PathStates::DEAD)
+    }
+}
+
+/// What some rows gave: for the image and for each part the radiance of their pixels, and splats.
+struct Found {
+    radiance: Vec<Vec<Rgb>>,
+    splats: Vec<Vec<Splat>>,
+}
+
+/// Adds `layers` samples to every pixel of the film, or fewer when it is to stop; a layer that is not complete is dropped.
+pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    division: &Division<'_>,
+    options: &RenderOptions,
+    film: &mut Film,
+    layers: u32,
+    new: impl Fn(u32, u32, u32) -> S + Sync,
+    stop: &Stop<'_>,
+    pilot: &OnceLock<PilotDensity>,
+) -> PassEnd {
+    let (width, height) = (film.width(), film.height());
+    let filter = SplatFilter::new(&view.tables.camera);
+    let merges = settings.kind == integrator_kind::VERTEX_MERGING;
+    if merges && pilot.get().is_none() {
+        let Some(counted) = PilotDensity::trace(view, settings, options.seed, stop, &new) else {
+            return PassEnd::Cut;
+        };
+        // Nobody else sets it: a backend takes one pass at a time.
+        let _ = pilot.set(counted);
+    }
+    let density = match pilot.get() {
+        Some(counted) => counted.view(),
+        None => PhotonDensity::unknown(&view.tables),
+    };
+    let idle = Idle::new();
+    for i in 0..layers {
+        if i > 0 && stop.is_set() {
+            return PassEnd::Cut;
+        }
+        let first = options.first_sample;
+        let layer = first.wrapping_add(film.pixel(0, 0).count);
+        let sorted = match photons_of_layer(
+            view, settings, division, options, layer, density, &idle, stop, &new,
+        ) {
+            Photons::Interrupted => return PassEnd::Cut,
+            Photons::None => None,
+            Photons::Sorted(sorted) => Some(sorted),
+        };
+        let emitted = light_walks(&view.tables, settings);
+        let radius = pass_radius(&view.tables, settings, layer);
+        let photons = sorted.as_ref().map(|sorted| DividedPhotons {
+            photons: PassPhotons {
+                cache: sorted.view(),
+                radius,
+                emitted,
+                density,
+            },
+            states: sorted.states(),
+        });
+        let mut algorithm = Bidirectional::new(&view.tables, settings);
+        if merges {
+            algorithm = algorithm.merging(radius, emitted, density);
+        }
+        let found: Option<Vec<Found>> = (0..height.div_ceil(ROWS))
+            .into_par_iter()
+            .map(|band| {
+                if stop.is_urgent() {
+                    return None;
+                }
+                let tile = Tile {
+                    x: 0,
+                    y: band * ROWS,
+                    width,
+                    height: ROWS.min(height - band * ROWS),
+                };
+                let mut samples = tile_samples(view, options.seed, layer, tile, &new);
+                stop.took(samples.len());
+                Some(sample_rows(
+                    view,
+                    settings,
+                    &algorithm,
+                    division,
+                    photons,
+                    &mut samples,
+                ))
+            })
+            .collect();
+        let Some(found) = found else {
+            return PassEnd::Cut;
+        };
+        add_layer(view, options.seed, layer, film, &filter, &found, &new);
+    }
+    PassEnd::Complete
+}
+
+/// The photons of a layer.
+enum Photons {
+    /// The algorithm has none.
+    None,
+    /// It was to stop.
+    Interrupted,
+    /// With the states of their walks.
+    Sorted(SortedPhotons),
+}
+
+/// Traces the photons of a layer, if the algorithm has any.
+fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    division: &Division<'_>,
+    options: &RenderOptions,
+    layer: u32,
+    density: PhotonDensity<'_>,
+    idle: &Idle,
+    stop: &Stop<'_>,
+    new: &(impl Fn(u32, u32, u32) -> S + Sync),
+) -> Photons {
+    let expressions = Some(division.expressions);
+    let sorted = match settings.kind {
+        integrator_kind::VERTEX_MERGING => trace_photons(
+            view,
+            settings,
+            options,
+            layer,
+            density,
+            expressions,
+            idle,
+            stop,
+            new,
+        ),
+        integrator_kind::PROGRESSIVE_PHOTONS => {
+            let task = PhotonTask {
+                view,
+                tracer: Progressive::new(&view.tables, settings).tracer(),
+                expressions,
+                emitted: light_walks(&view.tables, settings),
+                seed: options.seed,
+                index: layer,
+            };
+            task.trace(idle, stop, new)
+        }
+        _ => return Photons::None,
+    };
+    sorted.map_or(Photons::Interrupted, Photons::Sorted)
+}
+
+/// Takes the samples of whole rows.
+fn sample_rows<T: Traverse, S: LaneSampler>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    algorithm: &Bidirectional<'_>,
+    division: &Division<'_>,
+    photons: Option<DividedPhotons<'_>>,
+    samples: &mut [super::bidirectional_job::TileSample<S>],
+) -> Found {
+    let images = 1 + division.count;
+    let mut found = Found {
+        radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
+        splats: vec![Vec::new(); images],
+    };
+    let mut vertices = Vertices::default();
+    let mut states = States::default();
+    let expressions = division.expressions;
+    for (i, sample) in samples.iter_mut().enumerate() {
+        let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
+        vertices.clear();
+        let add = |contribution: halflight_kernel::path::Contribution, shares: &Shares| {
+            for image in 0..images {
+                let value = match image {
+                    0 => counted(&expressions, shares, contribution.value),
+                    part => contribution.value * shares.of(division.first + part - 1),
+                };
+                if !(value.max_element() > 0.0) {
+                    continue;
+                }
+                if contribution.is_splat() {
+                    found.splats[image].push(Splat {
+                        film: contribution.film,
+                        value,
+                    });
+                } else {
+                    found.radiance[image][i] += value * seen.weight;
+                }
+            }
+        };
+        if let (integrator_kind::PROGRESSIVE_PHOTONS, Some(photons)) = (settings.kind, &photons) {
+            let algorithm = Progressive::new(&view.tables, settings);
+            sample_among_photons(
+                view,
+                &algorithm,
+                &expressions,
+                photons,
+                &mut sample.camera,
+                &seen,
+                &mut states,
+                add,
+            );
+            continue;
+        }
+        let connector = &algorithm.connector;
+        let mut divided =
+            DividedSample::new(view, connector, expressions, photons, &mut states, add);
+        sample_watched(
+            view,
+            algorithm,
+            &mut sample.light,
+            &mut sample.camera,
+            &seen,
+            &mut vertices,
+            &mut divided,
+        );
+    }
+    found
+}
+
+/// Adds a layer to the film.
+fn add_layer<T: Traverse + Sync, S: LaneSampler>(
+    view: &SceneView<'_, T>,
+    seed: u32,
+    layer: u32,
+    film: &mut Film,
+    filter: &SplatFilter,
+    found: &[Found],
+    new: &(impl Fn(u32, u32, u32) -> S + Sync),
+) {
+    let needs_surface = film.aovs().needs_surface();
+    let bands = film.bands_mut(ROWS).into_par_iter().zip(found);
+    bands.for_each(|(mut band, own)| {
+        let (top, width) = (band.y(), band.width());
+        let sums: Vec<Vec<[f32; 3]>> = own
+            .radiance
+            .iter()
+            .enumerate()
+            .map(|(image, radiance)| {
+                let mut sums: Vec<[f32; 3]> = radiance.iter().map(|v| v.to_array()).collect();
+                for splat in found.iter().flat_map(|rows| &rows.splats[image]) {
+                    filter.add(splat, top, &mut sums);
+                }
+                sums
+            })
+            .collect();
+        let mut parts = vec![Vec3::ZERO; sums.len() - 1];
+        for i in 0..sums[0].len() {
+            let (x, y) = (i as u32 % width, top + i as u32 / width);
+            let whole = Vec3::from_array(sums[0][i]);
+            for (part, sums) in parts.iter_mut().zip(&sums[1..]) {
+                *part = Vec3::from_array(sums[i]);
+            }
+            let mut entry = band.pixel_mut(x, y);
+            entry.add_sample(whole);
+            entry.add_parts(whole, &parts);
+            if needs_surface {
+                let (pixel, index) = pixel(view, x, y);
+                entry.add_aovs(&surface_sample(view, new(seed, index, layer), pixel));
+            }
+        }
+    });
+}

@@ -94,7 +94,7 @@ pub(super) fn region(tables: &Tables<'_>, names: &SceneNames, wanted: &str) -> O
 }
 
 /// Name of the shape of an area light.
-pub(super) fn object_of_emitter<'a>(names: &'a SceneNames, shape: u32) -> &'a str {
+pub(super) fn object_of_emitter(names: &SceneNames, shape: u32) -> &str {
     if shape == NONE {
         ""
     } else {

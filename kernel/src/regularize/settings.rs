@@ -32,6 +32,8 @@ pub mod flag {
     /// For tests: values of the model itself, with the weights of regularisation. Without specular surfaces this has the mean
     /// of the algorithm without regularisation, if the weights are a partition of one.
     pub const PLAIN_VALUES: u32 = 64;
+    /// Path tracing connects regularised vertices by virtual merges ([`super::super::virtual_merge`]), not by rougher models.
+    pub const VIRTUAL_MERGE: u32 = 128;
 }
 
 /// What a run is asked for.

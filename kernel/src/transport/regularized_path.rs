@@ -17,6 +17,9 @@
 //! whose connection to the emitter is a good sampler keep their own BSDF and weights, or a share of them
 //! ([`crate::regularize::heuristic::quality_share`]).
 //!
+//! Virtual merges (section 3.6) take the place of the rougher model for comparison: the BSDF is sampled once more, and the
+//! light counts if the sample lies in the cone of value tau around it.
+//!
 //! With all lights, every emitter is sampled, not one of them.
 //!
 //! Invariants (tests): with neither, or at surfaces of which none is shiny, the radiance is that of path tracing to the bit;
@@ -26,7 +29,7 @@ use super::bounce::{Rays, Shading, bounce, shade};
 use super::connection::{SampleCounts, ShadowRay, weighted_contribution};
 use super::path::{Path, SinglePath, step};
 use super::settings::IntegratorSettings;
-use crate::bsdf::{Bsdf, event, mode};
+use crate::bsdf::{Bsdf, BsdfSample, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::path::Interaction;
 use crate::path::mollified::{Blur, mollified};
@@ -34,6 +37,7 @@ use crate::path::spread::{Spread, emitter_quality};
 use crate::regularize::bandwidth::TAU_MAX;
 use crate::regularize::regularized_bsdf::mixture_bound;
 use crate::regularize::settings::{Regularization, flag};
+use crate::regularize::virtual_merge::virtual_merge;
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::is_infinite;
 use crate::scene::emitter::{self, DirectSample};
@@ -121,14 +125,22 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
 
     /// Hands on what a chosen light adds.
     fn connect(&mut self, light: &DirectSample) {
-        let mut ray = self.contribution(light);
+        let is_regularized = self.interaction().is_regularized();
+        let mut own = BsdfSample::NONE;
+        if self.has(flag::VIRTUAL_MERGE) && is_regularized && light.is_some() {
+            let u1 = self.single.sampler.next_1d();
+            let u2 = self.single.sampler.next_2d();
+            let at = self.interaction();
+            own = at.bsdf.sample(self.single.view.tables.data, at.wi, u1, u2);
+        }
+        let mut ray = self.contribution(light, &own);
         ray.radiance = self.single.path.subpath.throughput * ray.radiance;
         if ray.is_some() {
             (self.shadows)(&ray);
         }
     }
 
-    fn contribution(&self, light: &DirectSample) -> ShadowRay {
+    fn contribution(&self, light: &DirectSample, own: &BsdfSample) -> ShadowRay {
         if !light.is_some() {
             return ShadowRay::NONE;
         }
@@ -139,7 +151,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
             return ShadowRay::NONE;
         }
         if !at.is_regularized() || !self.has(flag::QUALITY) {
-            return self.weighted(light, &at, wo);
+            return self.weighted(light, &at, wo, own);
         }
         let rho = mixture_bound(at.bsdf, at.wi.z * wo.z < 0.0);
         let length = self.arrived.length;
@@ -149,7 +161,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
         let mut ray = ShadowRay::NONE;
         for (of, tau) in [(share, self.tau), (1.0 - share, TAU_MAX)] {
             if of > 0.0 {
-                ray = self.weighted(light, &Interaction { tau, ..at }, wo);
+                ray = self.weighted(light, &Interaction { tau, ..at }, wo, own);
                 sum += ray.radiance * of;
             }
         }
@@ -157,10 +169,24 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
         ray
     }
 
-    /// The light of a sample, weighted against the walk.
-    fn weighted(&self, light: &DirectSample, at: &Interaction<'_>, wo: Vec3) -> ShadowRay {
+    /// The light of a sample, weighted against the walk. A virtual merge accepts it by the sample `own` of the BSDF.
+    fn weighted(
+        &self,
+        light: &DirectSample,
+        at: &Interaction<'_>,
+        wo: Vec3,
+        own: &BsdfSample,
+    ) -> ShadowRay {
         let tables = &self.single.view.tables;
-        let (mut value, pdf) = at.eval_cosine_pdf(tables, wo);
+        let is_merged = self.has(flag::VIRTUAL_MERGE) && at.is_regularized();
+        let (mut value, pdf) = if !is_merged {
+            at.eval_cosine_pdf(tables, wo)
+        } else if own.wo.z * wo.z > 0.0 && own.event & event::NULL == 0 {
+            let merged = virtual_merge(own, wo, at.tau);
+            (merged.value, merged.pdf)
+        } else {
+            (Rgb::ZERO, 0.0)
+        };
         let own = &self.regularization;
         if own.radius > 0.0 && light.is_delta != 0 {
             let distance = if light.distance < f32::MAX {
@@ -308,7 +334,12 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> Shading for RegularizedPath<
         let at = self.interaction();
         let is_event = sample.pdf > 0.0 && sample.event & event::NULL == 0;
         if at.is_regularized() && is_event {
-            p_hat = at.eval_cosine_pdf(&self.single.view.tables, sample.wo).1;
+            p_hat = if self.has(flag::VIRTUAL_MERGE) {
+                // What the paper takes in its place, for every direction.
+                at.tau
+            } else {
+                at.eval_cosine_pdf(&self.single.view.tables, sample.wo).1
+            };
         }
         let spread = if is_event && self.has(flag::QUALITY | flag::DIFFUSION) {
             self.arrived.scatter(&at, sample.wo)

@@ -9,8 +9,8 @@ use halflight_kernel::transport::settings::RegularizationSettings;
 #[derive(Args, Clone, Debug)]
 pub struct RegularizationArgs {
     /// Blur shiny materials where paths are connected, less with every sample, so that light behind them is found: tau=T is the
-    /// largest value of a BSDF in the first sample (10 to 100, higher is sharper and noisier); constant keeps it; lights=all
-    /// samples every emitter (path); tau=inf switches it off.
+    /// largest value of a BSDF in the first sample (10 to 100, higher is sharper and noisier); constant keeps it; weights=plain
+    /// is for comparison; quality, fade=F, diffusion, virtual and lights=all are for path; tau=inf switches it off.
     #[arg(help_heading = "Algorithm", long, value_name = "tau=T,..", value_parser = parse_regularize, conflicts_with = "mollify")]
     pub regularize: Option<RegularizationSettings>,
     /// Blur specular surfaces where nothing else finds the light, less with every sample: r0=R is the radius in the first sample,

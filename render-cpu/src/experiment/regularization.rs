@@ -19,9 +19,9 @@ pub struct Variant {
     pub options: &'static str,
 }
 
-/// What is compared: none, a sweep of tau, a tau that stays, heuristics, weights that know nothing of regularisation, and
-/// path space.
-pub const VARIANTS: [Variant; 10] = [
+/// What is compared: none, a sweep of tau, a tau that stays, heuristics, weights that know nothing of regularisation,
+/// virtual merges, and path space.
+pub const VARIANTS: [Variant; 11] = [
     variant("none", ""),
     variant("tau 10", "tau=10"),
     variant("tau 30", "tau=30"),
@@ -31,6 +31,7 @@ pub const VARIANTS: [Variant; 10] = [
     variant("tau 30, quality", "tau=30,quality"),
     variant("tau 30, both heuristics", "tau=30,quality,diffusion"),
     variant("tau 30, plain weights", "tau=30,weights=plain"),
+    variant("tau 30, virtual merge", "tau=30,virtual"),
     variant("r0 1 %", "r0=1%"),
 ];
 

@@ -44,6 +44,10 @@ fn the_image_of_a_light_in_a_mirror_lights_a_floor() {
         if name == "path" {
             // The mirror's share is there with any tau, and it is a large one.
             let (without, _) = error("tau=inf");
+            let (merged, sigma) = error("tau=200,constant,virtual");
+            println!("{name}: {merged:.4} +- {sigma:.4} by virtual merges");
+            assert!(sigma < 0.05, "{name}: noise of {sigma} hides everything");
+            assert!(merged.abs() < 4.0 * sigma + 0.01, "{merged} +- {sigma}");
             assert!(
                 without < -0.12 && blurred > without + 0.1,
                 "{without} {blurred}"

@@ -23,7 +23,7 @@ fn can_be_regularized(settings: &IntegratorSettings) -> bool {
 /// Why an algorithm cannot be regularised as its settings ask, in one sentence.
 pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
     let own = &settings.regularization;
-    let by_walk = flag::QUALITY | flag::DIFFUSION | flag::ALL_LIGHTS;
+    let by_walk = flag::QUALITY | flag::DIFFUSION | flag::ALL_LIGHTS | flag::VIRTUAL_MERGE;
     if !own.is_some() {
         None
     } else if !can_be_regularized(settings) {
@@ -32,7 +32,7 @@ pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
             regularized_names()
         ))
     } else if own.flags & by_walk != 0 && settings.kind != integrator_kind::PATH {
-        Some("quality, diffusion and lights=all are for path".to_string())
+        Some("quality, diffusion, virtual and lights=all are for path".to_string())
     } else {
         None
     }
@@ -100,11 +100,12 @@ pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
             }
             None if word == "quality" => own.flags |= flag::QUALITY,
             Some(("weights", "plain")) => own.flags |= flag::PLAIN_WEIGHTS,
+            None if word == "virtual" => own.flags |= flag::VIRTUAL_MERGE,
             None if word == "diffusion" => own.flags |= flag::DIFFUSION,
             _ => shared(
                 word,
                 &mut own,
-                "tau=30, quality, fade=0.5, diffusion, constant and lights=all",
+                "tau=30, quality, fade=0.5, diffusion, virtual, weights=plain, constant and lights=all",
             )?,
         }
     }

@@ -3,7 +3,7 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `parser`, `syntax` | both notations, and the tree that they are read into |
+//! | [`parser`], `vertex_parser`, [`syntax`] | both notations, and the tree that they are read into |
 //! | [`names`] | what a scene has names for |
 //! | `alphabet` | which vertices an expression tells apart |
 //! | `positions` | the automaton of an expression's atoms |
@@ -24,6 +24,7 @@ pub mod parser;
 pub mod parts;
 mod positions;
 pub mod syntax;
+mod vertex_parser;
 
 pub use compile::{CompiledExpressions, compile};
 pub use error::ExpressionError;

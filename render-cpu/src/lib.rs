@@ -32,6 +32,7 @@ pub mod expression;
 pub mod farm;
 pub mod film;
 pub mod image;
+pub mod inspect;
 pub mod integrators;
 pub mod material;
 pub mod measured;

@@ -3,8 +3,8 @@
 use clap::{CommandFactory, Parser, Subcommand};
 use halflight::commands::terminal::{self, Verbosity};
 use halflight::commands::{
-    compare, experiment, farm, image, info, list, manual, material, merge, processor, render,
-    strategy_sheet,
+    compare, experiment, farm, image, info, inspect, list, manual, material, merge, processor,
+    render, strategy_sheet,
 };
 use std::error::Error;
 use std::ffi::OsString;
@@ -27,6 +27,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Show what a scene holds, and what of it is not supported
     Info(info::InfoArgs),
+    /// Look at the light of a scene: false colours, or the radiance around a point
+    Inspect(inspect::InspectArgs),
     /// Draw a material: a lit ball, its lobes, its albedo and its local roughness
     Material(material::MaterialArgs),
     /// Compare two images
@@ -60,6 +62,7 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
             None => render::run(&args, cli.verbosity.quiet),
         },
         Command::Info(args) => info::run(&args),
+        Command::Inspect(args) => inspect::run(&args, cli.verbosity.quiet),
         Command::Material(args) => material::run(&args, cli.verbosity.quiet),
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),

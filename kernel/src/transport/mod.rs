@@ -10,6 +10,7 @@
 //! | [`aov`] | surface features of a camera sample |
 //! | [`regularized_path`] | path tracing whose next event estimation is regularised |
 //! | [`divided`] | path tracing whose light is divided by path expressions |
+//! | [`irradiance`], `recorded` | what falls on a surface; paths with their vertices (hosts only) |
 //! | [`connection`] | next event estimation |
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
 //! | [`pixel`] | one sample of a pixel by the algorithm of the settings |
@@ -25,12 +26,16 @@ pub mod bounce;
 pub mod connection;
 pub mod direct;
 pub mod divided;
+pub mod irradiance;
 #[cfg(not(target_arch = "spirv"))]
 pub mod markov;
 pub mod path;
 pub mod photon;
 pub mod pixel;
 pub mod regularized_path;
+// Paths are noted for hosts only, in lists without a limit that shaders have.
+#[cfg(not(target_arch = "spirv"))]
+pub mod recorded;
 pub mod settings;
 pub mod staged;
 #[cfg(not(target_arch = "spirv"))]

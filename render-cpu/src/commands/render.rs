@@ -97,6 +97,7 @@ pub fn run_with(
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
+    let recorded = args.record.parts(&scene)?;
     let accel = build_accel(&scene);
     tracing::info!(
         "{}: {} triangles, {} emitters, ready in {:.2} s",
@@ -166,6 +167,11 @@ pub fn run_with(
         return Err(args.rescue(error, &output, &scene, &film, &options, &state));
     }
     saved?;
+    if outcome.is_ok() {
+        let samples = state.samples;
+        let record = &args.record;
+        record.write(&recorded, &scene, &accel, &options, samples, quiet)?;
+    }
     if args.json {
         let is_finished = matches!(outcome, Ok(Outcome::Finished));
         let statistics = args.statistics(&output, &scene, &film, &state, is_finished);

@@ -2,6 +2,7 @@
 
 use super::estimator_args::EstimatorArgs;
 use super::look_args::LookArgs;
+use super::record_args::RecordArgs;
 use super::render_values::{parse_aov, parse_duration, parse_range};
 use super::scene_args::SceneArgs;
 use super::sheet_args::SheetArgs;
@@ -24,6 +25,9 @@ pub struct RenderArgs {
     /// A sheet of all strategies.
     #[command(flatten)]
     pub sheet: SheetArgs,
+    /// The record of its paths.
+    #[command(flatten)]
+    pub record: RecordArgs,
     /// Image to write, by its name an OpenEXR, PFM, Radiance, PNG or JPEG file; a PNG goes beside the first three. Default: the scene's name with .exr, in the working
     /// directory.
     #[arg(help_heading = "Image", short, long, value_name = "FILE")]

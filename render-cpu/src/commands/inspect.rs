@@ -1,0 +1,222 @@
+//! `halflight inspect`: tools that look at the light of a scene.
+
+use super::output_file;
+use super::scene_args::{SceneArgs, build_accel, parse_numbers};
+use crate::expression::PartsRequest;
+use crate::film::aov::AovSet;
+use crate::film::luminance;
+use crate::image::png_output::write_png_bytes;
+use crate::inspect::spherical_plot::{Probe, SphericalPlot};
+use crate::inspect::{ColorScale, false_color};
+use crate::processor::set_threads;
+use crate::render::{Goal, RenderOptions, render_film};
+use crate::say::{note, print_line};
+use clap::{Args, ValueEnum};
+use glam::{DVec3, Vec3};
+use halflight_kernel::scene::SceneView;
+use serde_json::json;
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// What a tool shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Tool {
+    /// The image in colours that tell its numbers.
+    FalseColor,
+    /// The radiance that arrives at a point from all around.
+    SphericalPlot,
+}
+
+/// What false colours tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Quantity {
+    /// Towards the sensor.
+    Radiance,
+    /// On the surfaces that the sensor sees.
+    Irradiance,
+}
+
+/// Look at the light of a scene.
+#[derive(Args, Clone, Debug)]
+pub struct InspectArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// What to look with.
+    #[arg(long, value_enum, value_name = "TOOL")]
+    pub tool: Tool,
+    /// The picture.
+    #[arg(short, long, value_name = "OUT.png")]
+    pub output: PathBuf,
+    /// Nothing but the paths that an expression matches.
+    #[arg(long, value_name = "EXPRESSION")]
+    pub only: Option<String>,
+    /// Samples per pixel or direction. Default: 64.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: u32,
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// Number of threads. Default: one per processor.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// What false colours tell.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "radiance")]
+    pub quantity: Quantity,
+    /// Equal ratios of values are equal steps of colour and, in a spherical plot, of distance.
+    #[arg(long)]
+    pub log: bool,
+    /// Value of the first colour. Default: 0, or a ten-thousandth of the last with --log.
+    #[arg(long, value_name = "VALUE", value_parser = parse_value)]
+    pub min: Option<f64>,
+    /// Value of the last colour, and of the rim of a spherical plot. Default: the largest but for a thousandth.
+    #[arg(long, value_name = "VALUE", value_parser = parse_value)]
+    pub max: Option<f64>,
+    /// Where a spherical plot is taken: a point in free space.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, conflicts_with = "pixel")]
+    pub at: Option<[f32; 3]>,
+    /// Where a spherical plot is taken: the surface that a pixel sees.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
+    pub pixel: Option<[u32; 2]>,
+    /// Rows of directions of a spherical plot; there are twice as many around.
+    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(2..=1024))]
+    pub rows: u32,
+    /// From where a spherical plot is seen, in the frame of its axes.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, default_value = "1,-2,1.2")]
+    pub view: [f32; 3],
+    /// Print numbers as JSON: the scale and, of a spherical plot, the integral.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// What keeps the picture from being made or written, in one sentence.
+pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+    let name = args.output.display();
+    output_file::check(&args.output, &["png"], [args.scene.scene.as_path()])?;
+    if args.tool == Tool::SphericalPlot && args.at.is_none() && args.pixel.is_none() {
+        return Err("--tool spherical-plot needs a place: --at X,Y,Z or --pixel X,Y".into());
+    }
+    set_threads(args.threads)?;
+    let mut scene = args.scene.load()?;
+    let is_measured = args.tool == Tool::SphericalPlot || args.quantity == Quantity::Irradiance;
+    if is_measured {
+        // These are measured by path tracing, whatever the scene's image is made by.
+        scene.settings.kind = halflight_kernel::transport::integrator_kind::PATH;
+    }
+    scene.divide(&PartsRequest {
+        layers: Vec::new(),
+        only: args.only.clone(),
+    })?;
+    for warning in &scene.warnings {
+        tracing::warn!("{warning}");
+    }
+    let scale = |values: &[f64]| ColorScale::of(values, args.min, args.max, args.log);
+    let (canvas, numbers) = match args.tool {
+        Tool::FalseColor => {
+            let (film, quantity) = match args.quantity {
+                Quantity::Irradiance => (
+                    false_color::irradiance_film(&scene, args.spp, args.seed)?,
+                    "irradiance, W/m²",
+                ),
+                Quantity::Radiance => {
+                    let options = RenderOptions {
+                        goal: Goal::Samples(args.spp),
+                        seed: args.seed,
+                        first_sample: 0,
+                        adaptive: false,
+                    };
+                    let film = render_film(&scene, &options, AovSet::NONE)?;
+                    (film, "radiance, W/(m² sr)")
+                }
+            };
+            let mean = film.mean();
+            let values: Vec<f64> = mean.iter().map(|p| luminance(*p)).collect();
+            let scale = scale(&values);
+            let canvas = false_color::draw(&mean, film.width(), |_| scale, quantity)?;
+            let average = values.iter().sum::<f64>() / values.len() as f64;
+            (
+                canvas,
+                json!({"from": scale.least, "to": scale.most, "mean": average}),
+            )
+        }
+        Tool::SphericalPlot => {
+            let accel = build_accel(&scene);
+            let tables = scene.tables.view();
+            let traverse = accel.traverse(tables);
+            let view = SceneView {
+                tables,
+                traverse: &traverse,
+            };
+            let probe = match (args.at, args.pixel) {
+                (Some(at), _) => Probe::free(Vec3::from_array(at)),
+                (None, Some(pixel)) => Probe::of_pixel(&view, pixel)
+                    .ok_or_else(|| format!("pixel {},{} sees no surface", pixel[0], pixel[1]))?,
+                (None, None) => return Err("a spherical plot needs a place".into()),
+            };
+            let expressions = scene.parts.view();
+            let plot = SphericalPlot::measure(
+                &view,
+                &scene.settings,
+                expressions.as_ref(),
+                &probe,
+                args.rows as usize,
+                args.spp,
+                args.seed,
+            );
+            let values: Vec<f64> = plot.radiance.iter().map(|p| luminance(*p)).collect();
+            let scale = scale(&values);
+            let [x, y, z] = probe.position.to_array();
+            let title = format!("at {x:.3}, {y:.3}, {z:.3}");
+            let from = DVec3::from_array(args.view.map(f64::from));
+            if !(from.length() > 0.0) {
+                return Err("--view: expected a direction".into());
+            }
+            let canvas = plot.draw(scale, 480, from, &title)?;
+            let integral = plot.integral();
+            (
+                canvas,
+                json!({"from": scale.least, "to": scale.most, "position": [x, y, z], "integral": integral}),
+            )
+        }
+    };
+    let [width, height] = canvas.size();
+    write_png_bytes(&args.output, width, height, canvas.rgb())?;
+    if args.json {
+        print_line(format_args!("{numbers:#}"))?;
+    }
+    if !quiet {
+        note(format_args!(
+            "{name}: {} to {}",
+            numbers["from"], numbers["to"]
+        ));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn parse_value(text: &str) -> Result<f64, String> {
+    let value = text
+        .parse()
+        .ok()
+        .filter(|v: &f64| *v >= 0.0 && v.is_finite());
+    value.ok_or_else(|| "expected a number that is not negative".to_owned())
+}
+
+fn parse_point(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Vec<f32> = text
+        .split(',')
+        .filter_map(|t| t.trim().parse().ok())
+        .collect();
+    let point: Result<[f32; 3], _> = numbers.try_into();
+    let point = point.ok().filter(|p| p.iter().all(|v| v.is_finite()));
+    point
+        .filter(|_| text.split(',').count() == 3)
+        .ok_or_else(|| "expected X,Y,Z".to_owned())
+}
+
+fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
+    parse_numbers(text, &[','], "X,Y")
+}

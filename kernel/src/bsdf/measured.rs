@@ -165,20 +165,33 @@ fn look_up(layout: &Layout, data: &[f32], wi: Vec3, m: Vec3) -> Lookup {
     }
 }
 
+/// One of the colours of a pair of directions, as the table has it. A function, because shaders cannot call a closure over
+/// references three times.
+#[inline]
+fn channel(layout: &Layout, data: &[f32], at: &Lookup, c: usize) -> f32 {
+    let grid = layout.values;
+    let first = layout.colors() + c * grid.len();
+    bilinear(data, &at.slices, &grid, first, 3 * grid.len(), at.numbers.u)
+}
+
+/// A table that does not depend on the incident direction.
+#[inline]
+fn plain(data: &[f32], grid: &Grid, u: Vec2) -> f32 {
+    bilinear(data, &ONE, grid, grid.first, 0, u)
+}
+
 /// f cos_o.
 #[inline]
 fn value(layout: &Layout, data: &[f32], at: &Lookup) -> Rgb {
-    let grid = layout.values;
-    let first = layout.colors();
-    let channel = |c: usize| {
-        let first = first + c * grid.len();
-        bilinear(data, &at.slices, &grid, first, 3 * grid.len(), at.numbers.u)
-    };
-    let mut color = Vec3::new(channel(0), channel(1), channel(2)).max(Vec3::ZERO);
+    let mut color = Vec3::new(
+        channel(layout, data, at, 0),
+        channel(layout, data, at, 1),
+        channel(layout, data, at, 2),
+    )
+    .max(Vec3::ZERO);
     if layout.is_relative {
-        let plain = |grid: &Grid, u: Vec2| bilinear(data, &ONE, grid, grid.first, 0, u);
-        let area = plain(&layout.areas, at.u_i).max(f32::MIN_POSITIVE);
-        color *= (plain(&layout.normals, at.u_m) / (4.0 * area)).max(0.0);
+        let area = plain(data, &layout.areas, at.u_i).max(f32::MIN_POSITIVE);
+        color *= (plain(data, &layout.normals, at.u_m) / (4.0 * area)).max(0.0);
     }
     color
 }

@@ -5,6 +5,7 @@
 mod agreement;
 mod brightness;
 mod half_vectors;
+mod measures;
 mod promises;
 #[path = "../bidirectional/scenes.rs"]
 #[allow(dead_code)]

@@ -9,10 +9,10 @@ use halflight_kernel::transport::settings::half_vector_flag;
 #[derive(Args, Clone, Debug)]
 pub struct ChainArgs {
     /// Samples per pixel for direct illumination in each group of chains, which then leave it out; 0 leaves it to the chains
-    /// (pssmlt, mmlt, mlt, erpt).
+    /// (pssmlt, mmlt, mlt, memlt, hslt, erpt, meerpt).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1 << 20))]
     pub direct_samples: Option<u32>,
-    /// Chains in a group (pssmlt, mmlt, mlt).
+    /// Chains in a group (pssmlt, mmlt, mlt, memlt, hslt).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     pub chains: Option<u32>,
     /// The half-vector mutation that breaks paths up, or the original one of whole paths (hslt).

@@ -10,4 +10,6 @@ pub struct MaterialNames {
     pub names: Vec<String>,
     /// Index of each triangle's name; empty when there is but one name or none.
     pub of_triangle: Vec<u32>,
+    /// The libraries that a file names, each line as it is (`mtllib`).
+    pub libraries: Vec<String>,
 }

@@ -16,6 +16,7 @@
 mod creases;
 mod error;
 mod materials;
+pub mod mtl;
 pub mod obj;
 mod obj_lines;
 mod part;

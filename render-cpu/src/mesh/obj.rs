@@ -1,7 +1,7 @@
 //! Wavefront OBJ meshes.
 //!
 //! Read are `v` (with colours, if six numbers follow), `vt`, `vn`, `f` with every form of index, negative ones
-//! included, and the names of `usemtl`; polygons are triangulated. Groups, smoothing groups and `mtllib` are ignored; lines,
+//! included, and the names of `usemtl` and `mtllib`; polygons are triangulated. Groups and smoothing groups are ignored; lines,
 //! points and curved surfaces are left out with a warning. The whole file is one mesh ([`Mesh::part`] splits it by
 //! material). Each distinct triple of position, texture coordinate and normal becomes one vertex, numbered
 //! by first use, as in Mitsuba 3. Colours become the attribute `vertex_color`, which Mitsuba does not read.
@@ -100,6 +100,8 @@ struct Parser {
     corner_positions: Vec<[f32; 3]>,
     /// Names of materials; the first is that of faces before any.
     materials: Vec<String>,
+    /// Lines of `mtllib`.
+    libraries: Vec<String>,
     /// The material of the next face.
     material: u32,
     of_triangle: Vec<u32>,
@@ -186,6 +188,11 @@ impl Parser {
             Some(b"usemtl") => {
                 let name = line.trim_ascii_start()[b"usemtl".len()..].trim_ascii();
                 self.use_material(&String::from_utf8_lossy(name));
+            }
+            Some(b"mtllib") => {
+                let name = line.trim_ascii_start()[b"mtllib".len()..].trim_ascii();
+                self.libraries
+                    .push(String::from_utf8_lossy(name).into_owned());
             }
             Some(b"l" | b"p" | b"curv" | b"curv2" | b"surf") => self.other_geometry += 1,
             _ => {}
@@ -324,6 +331,7 @@ impl Parser {
             materials: MaterialNames {
                 names: std::mem::take(&mut self.materials),
                 of_triangle: std::mem::take(&mut self.of_triangle),
+                libraries: std::mem::take(&mut self.libraries),
             },
             positions: self.attribute(0, &self.positions, [0.0; 3]),
             normals,

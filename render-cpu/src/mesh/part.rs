@@ -43,7 +43,7 @@ impl Mesh {
                     .cloned()
                     .into_iter()
                     .collect(),
-                of_triangle: Vec::new(),
+                ..MaterialNames::default()
             },
             face_normals: self.face_normals,
             max_smooth_angle: self.max_smooth_angle,

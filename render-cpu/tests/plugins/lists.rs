@@ -3,13 +3,13 @@
 
 use crate::scenes;
 use halflight::commands::list::Listed;
+use halflight::integrators::INTEGRATORS;
 
 #[test]
 fn the_readme_names_every_plugin() {
     let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md"))
         .expect("the README");
     for listed in [
-        Listed::Integrators,
         Listed::Sensors,
         Listed::Bsdfs,
         Listed::Emitters,
@@ -17,15 +17,16 @@ fn the_readme_names_every_plugin() {
         Listed::Textures,
     ] {
         for (name, _) in listed.entries() {
-            // Those of volumes are path tracing, and need no mention.
-            if name.starts_with("volpath") {
-                continue;
-            }
-            let is_named = ["`", "|", "\\|", " "]
-                .iter()
-                .any(|end| readme.contains(&format!("{name}{end}")));
-            assert!(is_named, "{listed:?}: {name}");
+            assert!(readme.contains(&format!("`{name}`")), "{listed:?}: {name}");
         }
+    }
+    // Among the values of an option or in the text.
+    for integrator in INTEGRATORS {
+        let name = integrator.name;
+        let is_named = ["`", "|", "\\|", " "]
+            .iter()
+            .any(|end| readme.contains(&format!("{name}{end}")));
+        assert!(is_named, "{name}");
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod daylight;
 mod every_plugin;
+mod libraries;
 mod lists;
 mod measured;
 mod principled;

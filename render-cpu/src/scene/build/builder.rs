@@ -40,6 +40,8 @@ pub(super) struct Builder {
     pub transmittance_tables: HashMap<(u32, bool, u32, u32), TransmittanceTable>,
     /// The object of the irradiance meter that is the sensor, by its index.
     pub meter: Option<usize>,
+    /// Material libraries of meshes that were read.
+    pub libraries_read: usize,
 }
 
 impl Builder {
@@ -83,6 +85,7 @@ impl Builder {
             groups: HashMap::new(),
             transmittance_tables: HashMap::new(),
             meter: None,
+            libraries_read: 0,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod heightfield;
+mod library;
 mod load;
 mod placement;
 mod surfaces;
@@ -124,7 +125,7 @@ impl Builder {
                     object.ignore();
                     return Ok(());
                 }
-                for (part, bsdf) in surfaces::parts(object, mesh)? {
+                for (part, bsdf) in surfaces::parts(object, mesh, &mut self.libraries_read)? {
                     self.add_mesh(object, part, bsdf, to_world, in_world)?;
                 }
             }

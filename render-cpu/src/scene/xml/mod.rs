@@ -100,6 +100,23 @@ pub fn parse_scene_from_str(
     finish(document, parameters, diagnostics)
 }
 
+/// Reads definitions that belong to an object of another scene: warnings go where its own go, and the objects' indices begin at
+/// `first_index`, so that they are not taken for those of that scene. Relative files are searched beside `name`.
+///
+/// # Errors
+/// As [`parse_scene`].
+pub(crate) fn parse_definitions(
+    text: &str,
+    name: &Path,
+    first_index: usize,
+    of: &Object,
+) -> Result<Arc<Object>, SceneError> {
+    let mut parameters = parameters::Parameters::new(&[])?;
+    let origin = loader::Origin::Text(text, name);
+    let document = loader::load(origin, &mut parameters, &of.diagnostics)?;
+    resolve::resolve_from(document, first_index, &of.diagnostics, &of.kept_files)
+}
+
 fn finish(
     document: document::Document,
     parameters: parameters::Parameters,

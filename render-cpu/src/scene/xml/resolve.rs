@@ -20,6 +20,7 @@ enum State {
 }
 
 struct Resolver<'a> {
+    first_index: usize,
     states: Vec<State>,
     by_id: std::collections::HashMap<String, usize>,
     diagnostics: &'a Arc<Diagnostics>,
@@ -32,7 +33,18 @@ pub fn resolve(
     diagnostics: &Arc<Diagnostics>,
     kept_files: &Arc<KeptFiles>,
 ) -> Result<Arc<Object>, SceneError> {
+    resolve_from(document, 0, diagnostics, kept_files)
+}
+
+/// [`resolve`] with indices that begin at `first_index`.
+pub fn resolve_from(
+    document: Document,
+    first_index: usize,
+    diagnostics: &Arc<Diagnostics>,
+    kept_files: &Arc<KeptFiles>,
+) -> Result<Arc<Object>, SceneError> {
     let mut resolver = Resolver {
+        first_index,
         states: document.objects.into_iter().map(State::Waiting).collect(),
         by_id: document.by_id,
         diagnostics,
@@ -106,7 +118,7 @@ impl Resolver<'_> {
             kind: raw.kind,
             plugin: raw.plugin,
             id: raw.id,
-            index,
+            index: self.first_index + index,
             properties,
             location: raw.location,
             is_legacy: raw.is_legacy,

@@ -1,6 +1,7 @@
 //! Which scattering model the surface of a shape has, or each part of it.
 
-use crate::mesh::Mesh;
+use super::library;
+use crate::mesh::{MaterialNames, Mesh};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use std::sync::Arc;
@@ -17,7 +18,14 @@ pub(super) type Part = (Mesh, Option<Arc<Object>>);
 ///
 /// In Mitsuba 0.6 the name of a BSDF within an OBJ shape is that of a material in the file (`usemtl`); one without a name
 /// is for all others. A single BSDF is for the whole mesh unless it names a material of a file before version 2.
-pub(super) fn parts(object: &Object, mesh: Mesh) -> Result<Vec<Part>, SceneError> {
+///
+/// Materials to which the scene gives no BSDF take that of the file's libraries (`mtllib`), unless `load_materials` forbids;
+/// `libraries_read` counts them.
+pub(super) fn parts(
+    object: &Object,
+    mesh: Mesh,
+    libraries_read: &mut usize,
+) -> Result<Vec<Part>, SceneError> {
     let children: Vec<_> = object.children_of(ObjectKind::Bsdf).collect();
     let material_of = |name: &str| mesh.materials.names.iter().position(|known| known == name);
     let is_general = |name: &str| name.is_empty() || name == "bsdf";
@@ -26,15 +34,23 @@ pub(super) fn parts(object: &Object, mesh: Mesh) -> Result<Vec<Part>, SceneError
         [child] => !object.is_legacy || material_of(child.name()).is_none(),
         _ => object.plugin != "obj",
     };
-    if object.plugin == "obj"
-        && object.get_bool("load_materials", object.is_legacy)?
-        && children.is_empty()
-        && !mesh.materials.names.is_empty()
-    {
+    let wants_materials =
+        object.plugin == "obj" && object.get_bool("load_materials", object.is_legacy)?;
+    let wants_materials = wants_materials && !mesh.materials.names.is_empty();
+    let loads_materials = wants_materials && !mesh.materials.libraries.is_empty();
+    if wants_materials && !loads_materials && children.is_empty() {
         object.warn(
-            "the materials of the file's library (mtllib) are not read; the shape is diffuse with a reflectance of 0.5",
+            "the faces have materials (usemtl), but the file names no library of them (mtllib); the shape is diffuse with a reflectance of 0.5",
         )?;
     }
+    let mut of_library = vec![None; mesh.materials.names.len().max(1)];
+    if loads_materials && (children.is_empty() || !is_whole) {
+        let MaterialNames {
+            names, libraries, ..
+        } = &mesh.materials;
+        of_library = library::bsdfs(object, libraries, names, libraries_read)?;
+    }
+    let is_whole = is_whole && of_library.iter().all(Option::is_none);
     if is_whole {
         return Ok(vec![(mesh, only(object)?)]);
     }
@@ -71,13 +87,15 @@ pub(super) fn parts(object: &Object, mesh: Mesh) -> Result<Vec<Part>, SceneError
         if part.triangles.is_empty() {
             continue;
         }
-        if bsdf.is_none() && of_rest.is_none() {
+        let bsdf = bsdf.or_else(|| of_rest.clone());
+        let bsdf = bsdf.or_else(|| of_library.get(index).cloned().flatten());
+        if bsdf.is_none() {
             object.warn(format!(
                 "there is no BSDF for the faces of the material \"{}\" (usemtl); they get a diffuse reflectance of 0.5",
                 mesh.materials.names.get(index).map_or("", String::as_str)
             ))?;
         }
-        parts.push((part, bsdf.or_else(|| of_rest.clone())));
+        parts.push((part, bsdf));
     }
     Ok(parts)
 }

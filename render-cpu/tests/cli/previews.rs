@@ -204,6 +204,11 @@ fn images_without_layers_are_plain_rgb() {
     place.succeed(&["merge", "a.exr", "b.exr", "-o", "c.exr"]);
     let merged = read(&place.path("c.exr"));
     assert_eq!(merged.attribute("samplesPerPixel"), Some("5"));
+    for matrix in ["worldToCamera", "worldToNDC"] {
+        let of_one = image.attribute(matrix).expect("a matrix");
+        assert_eq!(of_one.split(' ').count(), 16);
+        assert_eq!(merged.attribute(matrix), Some(of_one));
+    }
     assert_eq!(merged.channels.len(), 3);
     // Everything at once.
     place.succeed(&["render", "scene.xml", "-o", "d.exr", "--aov", "all"]);

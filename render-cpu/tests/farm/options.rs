@@ -19,6 +19,10 @@ const NOT_FOR_FARMS: &[(&str, &str)] = &[
     ("json", "nothing is printed"),
     ("strategy-sheet", "a picture of its own"),
     ("sheet-length", "of that picture"),
+    ("record", "a file of its own, which one process writes"),
+    ("record-where", "of that file"),
+    ("record-pixels", "of that file"),
+    ("record-count", "of that file"),
 ];
 
 fn halflight(place: &Place, arguments: &[&str]) -> Output {
@@ -117,6 +121,11 @@ fn options_make_the_image_that_they_make_in_one_run() {
             ],
             "9000",
             "2",
+        ),
+        (
+            &["--regularize", "tau=10", "--lpe", "direct=C[DG]L"],
+            "6",
+            "3",
         ),
         (
             &["--clamp", "0.3", "--sampler", "sobol", "--aov", "albedo"],

@@ -75,6 +75,16 @@ fn devices_are_listed_with_their_limits() {
 }
 
 #[test]
+fn path_expressions_are_for_the_processor() {
+    let place = Place::new();
+    for arguments in [["--lpe", "a=C.*L"], ["--only", "C.*L"]] {
+        let message = failure(&place.render(&arguments));
+        assert!(message.contains("use halflight render"), "{message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+}
+
+#[test]
 fn a_scene_is_measured_beside_the_processor() {
     if device().is_none() {
         return;

@@ -130,7 +130,7 @@ fn layers_are_in_the_file_and_the_same_from_a_farm_and_from_a_checkpoint() {
 #[test]
 fn bad_requests_end_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 7] = [
         (&["--lpe", "a=C(DL"], "character 2: this ( is not closed"),
         (&["--only", "C<RD>L['x']"], "none of L O B"),
         (
@@ -142,6 +142,17 @@ fn bad_requests_end_in_one_line() {
         (
             &["--integrator", "pssmlt", "--lpe", "a=C.*L"],
             "not for pssmlt",
+        ),
+        (
+            &[
+                "--integrator",
+                "bdpt",
+                "--regularize",
+                "tau=20",
+                "--only",
+                "C.*L",
+            ],
+            "regularisation has spread",
         ),
     ];
     for (arguments, message) in cases {

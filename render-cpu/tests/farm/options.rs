@@ -122,11 +122,8 @@ fn options_make_the_image_that_they_make_in_one_run() {
             "9000",
             "2",
         ),
-        (
-            &["--regularize", "tau=10", "--lpe", "direct=C[DG]L"],
-            "6",
-            "3",
-        ),
+        (&["--regularize", "tau=10"], "6", "3"),
+        (&["--lpe", "direct=C[DG]L"], "6", "3"),
         (
             &["--clamp", "0.3", "--sampler", "sobol", "--aov", "albedo"],
             "8",

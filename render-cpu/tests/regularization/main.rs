@@ -2,5 +2,6 @@
 
 mod known_answers;
 mod no_harm;
+mod panel;
 mod scenes;
 mod weights;

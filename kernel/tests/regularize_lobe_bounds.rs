@@ -38,7 +38,7 @@ fn largest(lobe: &Lobe, transmission: bool, seed: u64) -> f32 {
         let u = random.next_1d();
         let phi = 6.3 * random.next_1d();
         // Azimuths apart from opposite by 1e-6 to pi, at either side.
-        let apart = 3.14 * 1e-6_f32.powf(random.next_1d());
+        let apart = 3.1 * 1e-6_f32.powf(random.next_1d());
         let other = if n % 2 == 0 { u } else { random.next_1d() };
         let v = [u, other, phi, apart];
         let found = value(v);

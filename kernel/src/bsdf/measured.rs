@@ -26,7 +26,7 @@ use crate::math::{Rgb, float};
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 use glam::{Vec2, Vec3};
 
-/// Words of the header, see [`Layout`].
+/// Words of the header, see `Layout`.
 pub const HEADER: usize = 12;
 
 /// Incidences of the table of albedos.

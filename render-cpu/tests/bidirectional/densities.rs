@@ -108,7 +108,7 @@ impl WholePath {
     }
 
     /// f_0 ... f_k.
-    fn from_light(&self, tables: &Tables<'_>) -> Vec<f64> {
+    fn light_densities(&self, tables: &Tables<'_>) -> Vec<f64> {
         let k = self.k();
         let direction = self.direction(tables, 0, 1);
         let emitted = emission::density(tables, self.light.emitter, &self.light.point, direction);
@@ -138,7 +138,7 @@ impl WholePath {
     }
 
     /// r_0 ... r_k.
-    fn from_sensor(&self, tables: &Tables<'_>) -> Vec<f64> {
+    fn sensor_densities(&self, tables: &Tables<'_>) -> Vec<f64> {
         let k = self.k();
         let mut r = vec![0.0; k + 1];
         let lens = f64::from(camera::pdf_lens_area(&tables.camera));
@@ -172,7 +172,7 @@ impl WholePath {
     /// position as the area of a photon.
     pub fn densities(&self, tables: &Tables<'_>, eta: impl Fn(Vec3) -> f64) -> Vec<f64> {
         let k = self.k();
-        let (f, r) = (self.from_light(tables), self.from_sensor(tables));
+        let (f, r) = (self.light_densities(tables), self.sensor_densities(tables));
         let smooth: Vec<bool> = (0..=k)
             .map(|i| i == 0 || i == k || self.is_smooth(tables, i))
             .collect();

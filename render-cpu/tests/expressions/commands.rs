@@ -27,7 +27,7 @@ fn succeed(folder: &Path, arguments: &[&str]) {
 }
 
 fn channels(folder: &Path, name: &str) -> Vec<(String, Vec<u32>)> {
-    let image = halflight::image::read_exr(&folder.join(name)).unwrap();
+    let image = halflight::image::read_exr(folder.join(name)).unwrap();
     let bits =
         |(name, values): (String, Vec<f32>)| (name, values.into_iter().map(f32::to_bits).collect());
     image.channels.into_iter().map(bits).collect()

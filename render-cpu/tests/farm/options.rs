@@ -167,7 +167,7 @@ fn options_make_the_image_that_they_make_in_one_run() {
             succeed(&place, &["farm", "task", &folder, &task.to_string()]);
         }
         succeed(&place, &["farm", "merge", &folder]);
-        let read = |name: &str| halflight::image::read_exr(&place.path(name)).expect("an image");
+        let read = |name: &str| halflight::image::read_exr(place.path(name)).expect("an image");
         let (expected, found) = (read(&one), read(&many));
         assert_eq!(expected.channels.len(), found.channels.len(), "{options:?}");
         for ((name, wanted), (_, values)) in expected.channels.iter().zip(&found.channels) {
@@ -246,7 +246,7 @@ fn chains_are_divided_by_groups_or_seeds() {
         succeed(&place, &["farm", "task", "seeds", task]);
     }
     succeed(&place, &["farm", "merge", "seeds"]);
-    let image = halflight::image::read_exr(&place.path("c.exr")).expect("an image");
+    let image = halflight::image::read_exr(place.path("c.exr")).expect("an image");
     let ranges = image.attribute("sampleRanges").expect("ranges");
     assert_eq!(ranges.split(' ').count(), 2, "{ranges}");
     let pixels = halflight(

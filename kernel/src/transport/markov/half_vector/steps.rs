@@ -1,7 +1,7 @@
 //! Steps of half vectors: how far, and their densities.
 //!
 //! The lobes and their widths are those of [`crate::manifold::step_size`]. Where a vertex scatters at all, its step has two
-//! dimensions: widths are at least [`NARROWEST`], so that the way there and the way back have densities of the same kind.
+//! dimensions: widths are at least `NARROWEST`, so that the way there and the way back have densities of the same kind.
 
 use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::path_chain::PathChain;

@@ -1,19 +1,19 @@
 //! `halflight experiment convergence`: algorithms on one scene for the same processor time.
 
 use super::output_file;
+use super::race_setup::{load_for_each, read_reference, show_share};
 use super::render_values::{parse_duration, parse_exposure};
 use super::scene_args::{SceneArgs, build_accel, parse_numbers};
 use crate::experiment::convergence::errors::Reference;
 use crate::experiment::convergence::race::Budget;
 use crate::experiment::convergence::report::{Subject, json, number, plots, table};
 use crate::experiment::convergence::sheet::{Column, draw, telling_windows};
-use crate::experiment::convergence::{Outcome, Setup, find, run as compare};
+use crate::experiment::convergence::{Outcome, Setup, run as compare};
 use crate::image::png_output::{Exposure, exposure_scale, tone_map, write_png_bytes};
-use crate::image::read_exr;
 use crate::plot::picture::{Picture, Window};
 use crate::plot::write_png;
 use crate::processor::set_threads;
-use crate::say::{note, print, print_line};
+use crate::say::{print, print_line};
 use clap::Args;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -81,20 +81,7 @@ pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Erro
         output_file::check(path, &["png"], inputs().map(PathBuf::as_path))?;
     }
     set_threads(args.threads)?;
-    let mut integrators = Vec::new();
-    let mut scene = None;
-    for name in &args.integrators {
-        let integrator = find(name)?;
-        let mut with = args.scene.clone();
-        with.integrator = Some(integrator.name.to_owned());
-        let loaded = with.load()?;
-        integrators.push((integrator.name.to_owned(), loaded.settings));
-        scene.get_or_insert(loaded);
-    }
-    let mut scene = scene.ok_or("--integrators names no algorithm")?;
-    for warning in &scene.warnings {
-        tracing::warn!("{warning}");
-    }
+    let (mut scene, integrators) = load_for_each(&args.scene, &args.integrators)?;
     let size = scene.tables.camera.crop_size;
     if let Some([x, y, w, h]) = args.inset.iter().find(|w| !is_inside(**w, size)) {
         return Err(format!(
@@ -104,10 +91,7 @@ pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Erro
         .into());
     }
     let name = args.reference.as_ref().map(|p| p.display().to_string());
-    let reference = match (&args.reference, &name) {
-        (Some(path), Some(name)) => Some(Reference::new(name, &read_exr(path)?, size)?),
-        _ => None,
-    };
+    let reference = read_reference(args.reference.as_deref(), size)?;
     let (budget, words) = match args.spp {
         Some(n) => (Budget::Samples(n), format!("{n} samples per pixel")),
         None => {
@@ -135,11 +119,7 @@ pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Erro
         seed: args.seed,
         reference: reference.as_ref(),
     };
-    let outcomes = compare(&mut scene, &accel, &setup, |share| {
-        if !quiet {
-            note(format_args!("{:5.1} % done", 100.0 * share));
-        }
-    })?;
+    let outcomes = compare(&mut scene, &accel, &setup, |share| show_share(quiet, share))?;
     if args.json {
         print_line(format_args!("{:#}", json(&subject, &outcomes)))?;
     } else {

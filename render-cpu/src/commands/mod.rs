@@ -22,6 +22,7 @@ mod output_file;
 pub mod photon_args;
 mod preview;
 pub mod processor;
+mod race_setup;
 pub mod record_args;
 pub mod regularization_args;
 pub mod regularization_experiment;

@@ -1,14 +1,13 @@
 //! `halflight experiment regularization`: kinds of regularisation on one scene for the same processor time.
 
+use super::race_setup::{load_for_each, read_reference, show_share};
 use super::render_values::parse_duration;
 use super::scene_args::{SceneArgs, build_accel};
-use crate::experiment::convergence::errors::Reference;
 use crate::experiment::convergence::race::Budget;
-use crate::experiment::convergence::{Setup, find, run as compare};
+use crate::experiment::convergence::{Setup, run as compare};
 use crate::experiment::regularization::{VARIANTS, table};
-use crate::image::read_exr;
 use crate::processor::set_threads;
-use crate::say::{note, print};
+use crate::say::print;
 use clap::Args;
 use std::error::Error;
 use std::path::PathBuf;
@@ -59,35 +58,20 @@ pub fn run(
     quiet: bool,
 ) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     set_threads(args.threads)?;
+    let (mut scene, integrators) = load_for_each(&args.scene, &args.integrators)?;
     let mut competitors = Vec::new();
-    let mut scene = None;
-    for name in &args.integrators {
-        let integrator = find(name)?;
-        let mut with = args.scene.clone();
-        with.integrator = Some(integrator.name.to_owned());
-        let loaded = with.load()?;
+    for (name, plain) in &integrators {
         for variant in &VARIANTS {
             let is_asked = variant.options.is_empty()
                 || args.kind.is_empty()
                 || args.kind.iter().any(|k| variant.name.starts_with(k));
-            if let Some(settings) = variant.of(&loaded.settings)?.filter(|_| is_asked) {
-                competitors.push((format!("{}, {}", integrator.name, variant.name), settings));
+            if let Some(settings) = variant.of(plain)?.filter(|_| is_asked) {
+                competitors.push((format!("{name}, {}", variant.name), settings));
             }
         }
-        scene.get_or_insert(loaded);
-    }
-    let mut scene = scene.ok_or("--integrators names no algorithm")?;
-    for warning in &scene.warnings {
-        tracing::warn!("{warning}");
     }
     let size = scene.tables.camera.crop_size;
-    let reference = match &args.reference {
-        Some(path) => {
-            let name = path.display().to_string();
-            Some(Reference::new(&name, &read_exr(path)?, size)?)
-        }
-        None => None,
-    };
+    let reference = read_reference(args.reference.as_deref(), size)?;
     let accel = build_accel(&scene);
     let setup = Setup {
         integrators: &competitors,
@@ -95,11 +79,7 @@ pub fn run(
         seed: args.seed,
         reference: reference.as_ref(),
     };
-    let outcomes = compare(&mut scene, &accel, &setup, |share| {
-        if !quiet {
-            note(format_args!("{:5.1} % done", 100.0 * share));
-        }
-    })?;
+    let outcomes = compare(&mut scene, &accel, &setup, |share| show_share(quiet, share))?;
     print(table(&outcomes))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -96,16 +96,9 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     let (width, height) = (film.width(), film.height());
     let filter = SplatFilter::new(&view.tables.camera);
     let merges = settings.kind == integrator_kind::VERTEX_MERGING;
-    if merges && pilot.get().is_none() {
-        let Some(counted) = PilotDensity::trace(view, settings, options.seed, stop, &new) else {
-            return PassEnd::Cut;
-        };
-        // Nobody else sets it: a backend takes one pass at a time.
-        let _ = pilot.set(counted);
-    }
-    let density = match pilot.get() {
-        Some(counted) => counted.view(),
-        None => PhotonDensity::unknown(&view.tables),
+    let density = PilotDensity::of_run(pilot, view, settings, options.seed, stop, &new);
+    let Some(density) = density else {
+        return PassEnd::Cut;
     };
     let idle = Idle::new();
     for i in 0..layers {

@@ -12,10 +12,11 @@ use halflight_kernel::path::photon_density::entry_of;
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::IntegratorSettings;
 use halflight_kernel::transport::bidirectional::Bidirectional;
 use halflight_kernel::transport::photon::merging::merging_tracer;
 use halflight_kernel::transport::photon::progressive::{first_radius, light_walks};
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
+use std::sync::OnceLock;
 
 /// Most light walks of a pilot pass.
 const MOST_WALKS: u32 = 1 << 18;
@@ -40,8 +41,29 @@ pub struct PilotDensity {
 }
 
 impl PilotDensity {
+    /// What the weights of a run may know of its photons: nothing without merging, else what its pilot pass has counted, which the
+    /// first call traces. No density if that is to stop.
+    pub fn of_run<'a, T: Traverse + Sync, S: LaneSampler + Send>(
+        pilot: &'a OnceLock<PilotDensity>,
+        view: &SceneView<'a, T>,
+        settings: &IntegratorSettings,
+        seed: u32,
+        stop: &Stop<'_>,
+        new: &(impl Fn(u32, u32, u32) -> S + Sync),
+    ) -> Option<PhotonDensity<'a>> {
+        if settings.kind != integrator_kind::VERTEX_MERGING {
+            return Some(PhotonDensity::unknown(&view.tables));
+        }
+        if pilot.get().is_none() {
+            let counted = PilotDensity::trace(view, settings, seed, stop, new)?;
+            // Nobody else sets it: a backend takes one pass at a time.
+            let _ = pilot.set(counted);
+        }
+        pilot.get().map(PilotDensity::view)
+    }
+
     /// Counts the photons of a pilot pass; nothing if it is to stop.
-    pub fn trace<T: Traverse + Sync, S: LaneSampler + Send>(
+    fn trace<T: Traverse + Sync, S: LaneSampler + Send>(
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
         seed: u32,
@@ -82,7 +104,7 @@ impl PilotDensity {
     }
 
     /// What the kernel reads.
-    pub fn view(&self) -> PhotonDensity<'_> {
+    fn view(&self) -> PhotonDensity<'_> {
         PhotonDensity {
             counts: &self.counts,
             entries: self.counts.len() as u32,

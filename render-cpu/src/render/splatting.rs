@@ -63,16 +63,9 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     if merges {
         together = together.min((PHOTONS_AT_A_TIME / light_walks(&view.tables, settings)).max(1));
     }
-    if merges && pilot.get().is_none() {
-        let Some(counted) = PilotDensity::trace(view, settings, options.seed, stop, &new) else {
-            return PassEnd::Cut;
-        };
-        // Nobody else sets it: a backend takes one pass at a time.
-        let _ = pilot.set(counted);
-    }
-    let density = match pilot.get() {
-        Some(counted) => counted.view(),
-        None => PhotonDensity::unknown(&view.tables),
+    let density = PilotDensity::of_run(pilot, view, settings, options.seed, stop, &new);
+    let Some(density) = density else {
+        return PassEnd::Cut;
     };
     let idle_tracers = Idle::new();
     let filter = SplatFilter::new(&view.tables.camera);

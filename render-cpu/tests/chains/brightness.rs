@@ -1,10 +1,10 @@
 //! The mean of chains is that of path tracing or bidirectional path tracing: every technique of primary samples, every kind of
 //! camera and light, by a test that knows the noise of both.
 
-use crate::agreement::{Batches, compare, report, settings_of};
+use crate::agreement::report;
 use crate::scenes::{LAMP, PINHOLE, room, scene, sky};
+use crate::variants::{self, Samples};
 use halflight::scene::build::Scene;
-use halflight_kernel::transport::IntegratorSettings;
 use halflight_kernel::transport::markov::primary_space::technique;
 use halflight_kernel::transport::settings::{ChainSettings, integrator_kind};
 
@@ -50,13 +50,6 @@ fn chains(kind: u32) -> ChainSettings {
     }
 }
 
-fn with_chains(scene: &Scene, chains: ChainSettings) -> IntegratorSettings {
-    IntegratorSettings {
-        chains,
-        ..settings_of(scene, integrator_kind::PRIMARY_SAMPLE_MLT)
-    }
-}
-
 /// Compares the techniques with the algorithm of `kind`.
 fn agree_with(
     what: &str,
@@ -64,21 +57,12 @@ fn agree_with(
     kind: u32,
     variants: &[(&str, ChainSettings)],
 ) -> Vec<Result<(), String>> {
-    let settings = settings_of(scene, kind);
-    let truth = Batches::render(what, scene, settings, 256);
-    variants
-        .iter()
-        .map(|(name, chains)| {
-            let what = format!("{what}, {name}");
-            let settings = with_chains(scene, *chains);
-            let found = Batches::render(&what, scene, settings, 8);
-            let error = truth.relative_error().hypot(found.relative_error());
-            if error > 0.03 {
-                return Err(format!("{what}: noise of {error:.3} hides everything"));
-            }
-            compare(&what, &truth, &found)
-        })
-        .collect()
+    let kinds = [kind, integrator_kind::PRIMARY_SAMPLE_MLT];
+    let samples = Samples {
+        truth: 256,
+        chains: 8,
+    };
+    variants::agree_with(what, scene, kinds, samples, variants)
 }
 
 fn all() -> [(&'static str, ChainSettings); 3] {

@@ -3,8 +3,9 @@
 //! As in `whole_paths`: chains start from paths drawn with the density that they shall keep.
 
 use crate::agreement::{Batches, compare, report, settings_of};
-use crate::brightness::{BALL, DIFFUSE, GLOSSY, POINT, SKY, VEIL, camera};
+use crate::brightness::{BALL, DIFFUSE, GLOSSY};
 use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky};
+use crate::variants::{self, MIRROR, OF_WHOLE_PATHS, lights_cameras_and_masks};
 use halflight::film::aov::Aov;
 use halflight::render::{Goal, RenderOptions, render_film};
 use halflight::scene::build::Scene;
@@ -89,37 +90,17 @@ fn agree_with(
     kind: u32,
     variants: &[(&str, ChainSettings)],
 ) -> Vec<Result<(), String>> {
-    let settings = settings_of(scene, kind);
-    let truth = Batches::render(what, scene, settings, 384);
-    variants
-        .iter()
-        .map(|(name, chains)| {
-            let what = format!("{what}, {name}");
-            let settings = IntegratorSettings {
-                chains: *chains,
-                ..settings_of(scene, integrator_kind::VEACH_MLT)
-            };
-            let found = Batches::render(&what, scene, settings, 6);
-            let error = truth.relative_error().hypot(found.relative_error());
-            if error > 0.03 {
-                return Err(format!("{what}: noise of {error:.3} hides everything"));
-            }
-            compare(&what, &truth, &found)
-        })
-        .collect()
+    let kinds = [kind, integrator_kind::VEACH_MLT];
+    variants::agree_with(what, scene, kinds, OF_WHOLE_PATHS, variants)
 }
 
-/// A sheet of rough glass, a mirror, a coated ball with the normals of a sphere on eight triangles.
+/// A sheet of rough glass, a coated ball with the normals of a sphere on eight triangles.
 const ROUGH_SHEET: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.5"/>
     <rotate y="1" angle="20"/><translate x="-0.3" y="1" z="1"/></transform>
     <bsdf type="roughdielectric"><float name="alpha" value="0.1"/></bsdf></shape>"#;
 const FACETS: &str = r#"<shape type="obj"><string name="filename" value="sphere.obj"/>
     <transform name="to_world"><scale value="0.4"/><rotate x="1" angle="15"/><translate x="0.6" y="0.45" z="0.2"/></transform>
     <bsdf type="roughplastic"><float name="alpha" value="0.15"/></bsdf></shape>"#;
-const MIRROR: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.6"/>
-    <rotate y="1" angle="-40"/><translate x="1" y="0.7" z="-0.3"/></transform>
-    <bsdf type="twosided"><bsdf type="conductor"/></bsdf></shape>"#;
-
 #[test]
 fn diffuse_paths_keep_the_image() {
     let mut scene = scene(&[PINHOLE, &room(DIFFUSE), LAMP].concat(), &[]);
@@ -157,42 +138,8 @@ fn rough_glass_and_smooth_normals_keep_the_image() {
 #[test]
 fn every_light_camera_and_mask_keeps_the_image() {
     let files: &[NamedFile<'_>] = &[("sky.exr", &sky)];
-    let thin = camera(
-        "thinlens",
-        r#"<float name="aperture_radius" value="0.3"/><float name="focus_distance" value="3"/>"#,
-    );
-    let parallel = PINHOLE
-        .replace("perspective", "orthographic")
-        .replace(r#"<float name="fov" value="60"/>"#, "");
-    let coated = r#"<bsdf type="plastic"/>"#;
     let mut results = Vec::new();
-    for (what, content, kind) in [
-        (
-            "point light through glass",
-            [PINHOLE, &room(DIFFUSE), POINT, BALL].concat(),
-            integrator_kind::BIDIRECTIONAL,
-        ),
-        (
-            "sky through glass",
-            [PINHOLE, &room(DIFFUSE), SKY, BALL].concat(),
-            integrator_kind::BIDIRECTIONAL,
-        ),
-        (
-            "veil",
-            [PINHOLE, &room(DIFFUSE), LAMP, VEIL].concat(),
-            integrator_kind::PATH,
-        ),
-        (
-            "coats through a thin lens",
-            [&thin, &room(coated), LAMP].concat(),
-            integrator_kind::PATH,
-        ),
-        (
-            "parallel rays",
-            [&parallel, &room(coated), LAMP, MIRROR].concat(),
-            integrator_kind::BIDIRECTIONAL,
-        ),
-    ] {
+    for (what, content, kind) in lights_cameras_and_masks() {
         let mut scene = scene(&content, files);
         let variants = [
             ("manifold", manifold()),

@@ -10,4 +10,5 @@ mod promises;
 #[path = "../bidirectional/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;
+mod variants;
 mod whole_paths;

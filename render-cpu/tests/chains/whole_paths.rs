@@ -3,17 +3,12 @@
 //! Chains start from paths drawn with the density that they shall keep, so the image stays that of path tracing whichever mutations
 //! they make, if each keeps detailed balance, and drifts away if one does not: the longer the chains, the farther.
 
-use crate::agreement::{Batches, compare, report, settings_of};
-use crate::brightness::{BALL, DIFFUSE, GLOSSY, POINT, SKY, VEIL, camera};
+use crate::agreement::report;
+use crate::brightness::{BALL, DIFFUSE, GLOSSY};
 use crate::scenes::{LAMP, NamedFile, PINHOLE, room, scene, sky};
+use crate::variants::{self, MIRROR, OF_WHOLE_PATHS, lights_cameras_and_masks};
 use halflight::scene::build::Scene;
-use halflight_kernel::transport::IntegratorSettings;
 use halflight_kernel::transport::settings::{ChainSettings, integrator_kind};
-
-/// A floor of metal, so that light has far to go between diffuse surfaces.
-const MIRROR: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.6"/>
-    <rotate y="1" angle="-40"/><translate x="1" y="0.7" z="-0.3"/></transform>
-    <bsdf type="twosided"><bsdf type="conductor"/></bsdf></shape>"#;
 
 fn chains([bidirectional, lens, caustic, multi_chain]: [f32; 4]) -> ChainSettings {
     ChainSettings {
@@ -37,24 +32,9 @@ fn agree_with(
     kind: u32,
     variants: &[(&str, [f32; 4])],
 ) -> Vec<Result<(), String>> {
-    let settings = settings_of(scene, kind);
-    let truth = Batches::render(what, scene, settings, 384);
-    variants
-        .iter()
-        .map(|(name, weights)| {
-            let what = format!("{what}, {name}");
-            let settings = IntegratorSettings {
-                chains: chains(*weights),
-                ..settings_of(scene, integrator_kind::VEACH_MLT)
-            };
-            let found = Batches::render(&what, scene, settings, 6);
-            let error = truth.relative_error().hypot(found.relative_error());
-            if error > 0.03 {
-                return Err(format!("{what}: noise of {error:.3} hides everything"));
-            }
-            compare(&what, &truth, &found)
-        })
-        .collect()
+    let kinds = [kind, integrator_kind::VEACH_MLT];
+    let variants: Vec<_> = variants.iter().map(|(n, w)| (*n, chains(*w))).collect();
+    variants::agree_with(what, scene, kinds, OF_WHOLE_PATHS, &variants)
 }
 
 #[test]
@@ -92,42 +72,8 @@ fn every_mutation_alone_and_all_together_keep_the_image() {
 #[test]
 fn every_light_camera_and_mask_keeps_the_image() {
     let files: &[NamedFile<'_>] = &[("sky.exr", &sky)];
-    let thin = camera(
-        "thinlens",
-        r#"<float name="aperture_radius" value="0.3"/><float name="focus_distance" value="3"/>"#,
-    );
-    let parallel = PINHOLE
-        .replace("perspective", "orthographic")
-        .replace(r#"<float name="fov" value="60"/>"#, "");
-    let coated = r#"<bsdf type="plastic"/>"#;
     let mut results = Vec::new();
-    for (what, content, kind) in [
-        (
-            "point light through glass",
-            [PINHOLE, &room(DIFFUSE), POINT, BALL].concat(),
-            integrator_kind::BIDIRECTIONAL,
-        ),
-        (
-            "sky through glass",
-            [PINHOLE, &room(DIFFUSE), SKY, BALL].concat(),
-            integrator_kind::BIDIRECTIONAL,
-        ),
-        (
-            "veil",
-            [PINHOLE, &room(DIFFUSE), LAMP, VEIL].concat(),
-            integrator_kind::PATH,
-        ),
-        (
-            "coats through a thin lens",
-            [&thin, &room(coated), LAMP].concat(),
-            integrator_kind::PATH,
-        ),
-        (
-            "parallel rays",
-            [&parallel, &room(coated), LAMP, MIRROR].concat(),
-            integrator_kind::BIDIRECTIONAL,
-        ),
-    ] {
+    for (what, content, kind) in lights_cameras_and_masks() {
         let mut scene = scene(&content, files);
         results.extend(agree_with(what, &mut scene, kind, &[("all", ALL)]));
     }

@@ -26,6 +26,12 @@ const NORMAL_REFLECTANCE: f32 = 0.04;
 /// Width of the masking.
 const MASKING_WIDTH: f32 = 0.25;
 
+/// The width of a gloss in [0, 1], which a record has as its `exponent` (Burley 2012, section 5.6: linear in between).
+#[inline]
+pub fn width(gloss: f32) -> f32 {
+    LARGEST + (SMALLEST - LARGEST) * gloss.max(0.0).min(1.0)
+}
+
 /// Square of the width.
 #[inline]
 fn width_squared(lobe: &Lobe) -> f32 {

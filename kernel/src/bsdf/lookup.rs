@@ -4,7 +4,7 @@
 //! luminance. A lobe's weight in the material is the product of its mixing factors, each clamped to [0, 1].
 
 use super::lobe::{is_flipped, mirrored};
-use super::{Coat, Lobe, frame_map, microfacet, rough_transmittance};
+use super::{Coat, Lobe, clearcoat, frame_map, microfacet, rough_transmittance};
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::{
     CoatRecord, LobeRecord, MAX_COATS, NONE, SurfacePoint, Tables, distribution, features,
@@ -171,6 +171,8 @@ fn set_later_parameters(lobe: &mut Lobe, p: &[Rgb; 9]) {
     lobe.exponent = p[8].x;
     lobe.alpha = if lobe.kind == lobe_kind::PRINCIPLED_DIFFUSE {
         Vec2::splat(p[6].x)
+    } else if lobe.kind == lobe_kind::CLEARCOAT {
+        Vec2::splat(clearcoat::width(p[8].x))
     } else {
         roughness(lobe.flags, p[6].x, p[7].x)
     };

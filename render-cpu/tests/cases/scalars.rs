@@ -2,6 +2,8 @@
 
 use crate::Files;
 
+const COATED: &str = r#"<float name="clearcoat" value="1"/>"#;
+
 /// Content with a number said in every way that gives 0.3, and as the luminance of a colour.
 fn same(content: impl Fn(&str) -> String, name: &str) {
     let files = Files::new(&[]);
@@ -75,4 +77,36 @@ fn the_roughness_of_grooves_and_the_exponent_of_facets() {
         )
     };
     same(facets, "exponent");
+}
+
+#[test]
+fn the_numbers_of_models_from_other_programs() {
+    let surface = |plugin: &'static str| {
+        move |number: &str| {
+            format!(r#"<shape type="sphere"><bsdf type="{plugin}">{COATED}{number}</bsdf></shape>"#)
+        }
+    };
+    for name in [
+        "roughness",
+        "anisotropic",
+        "metallic",
+        "spec_trans",
+        "spec_tint",
+        "sheen",
+        "sheen_tint",
+        "flatness",
+        "clearcoat_gloss",
+    ] {
+        same(surface("principled"), name);
+    }
+    for (plugin, names) in [
+        ("principledthin", &["roughness", "diff_trans", "sheen"][..]),
+        ("phong", &["exponent"]),
+        ("ward", &["alphaU", "alphaV"]),
+    ] {
+        for name in names {
+            let plain = |number: &str| surface(plugin)(number).replace(COATED, "");
+            same(plain, name);
+        }
+    }
 }

@@ -106,6 +106,18 @@ fn values_are_those_of_mitsuba() {
 }
 
 #[test]
+fn a_texture_of_gloss_is_the_number_that_it_holds() {
+    let values = floats(&[("roughness", 0.4), ("clearcoat", 0.9), ("metallic", 0.5)]);
+    let gloss = r#"<texture name="clearcoat_gloss" type="checkerboard">
+        <rgb name="color0" value="0.3"/><rgb name="color1" value="0.3"/></texture>"#;
+    matches(
+        "principled",
+        &(BASE.to_owned() + &values + gloss),
+        include_str!("../oracle/principled/coat.csv"),
+    );
+}
+
+#[test]
 fn values_of_thin_sheets_are_those_of_mitsuba() {
     for (values, oracle) in [
         (

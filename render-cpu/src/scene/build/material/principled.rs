@@ -6,7 +6,7 @@
 //! | `roughness`, `anisotropic` | number or texture | 0.5, 0 |
 //! | `metallic`, `spec_trans` | number or texture | 0, 0 |
 //! | `eta`, or `specular` | index inside over outside, or what gives it by 2 / (1 - sqrt(0.08 s)) - 1 | 0.5 |
-//! | `spec_tint`, `sheen`, `sheen_tint`, `flatness`, `clearcoat`, `clearcoat_gloss` | number or texture, but for the gloss a number | 0 |
+//! | `spec_tint`, `sheen`, `sheen_tint`, `flatness`, `clearcoat`, `clearcoat_gloss` | number or texture | 0 |
 //!
 //! With m for `metallic`, t for `spec_trans` and s for `spec_tint`, the lobes are: the diffuse part with the weight (1 - m)(1 - t) and the
 //! sheen with (1 - m), on the outside; the reflection of a dielectric on the outside with (1 - m)(1 - s), its tinted form with (1 - m) s,
@@ -20,7 +20,6 @@ use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
-use halflight_kernel::bsdf::clearcoat;
 use halflight_kernel::scene::{
     LobeRecord, NONE, RgbParameter, ScalarParameter, WeightFactor, distribution, lobe_flag,
     lobe_kind,
@@ -80,7 +79,7 @@ impl Builder {
         let sheen_tint = unit(self, "sheen_tint", 0.0)?;
         let flatness = unit(self, "flatness", 0.0)?;
         let coat = unit(self, "clearcoat", 0.0)?;
-        let gloss = object.get_float_in("clearcoat_gloss", 0.0, 0.0, 1.0)? as f32;
+        let gloss = unit(self, "clearcoat_gloss", 0.0)?;
         let eta = principled_index(object)?;
 
         let lobe = |kind: u32| {
@@ -140,9 +139,7 @@ impl Builder {
             let mut part = lobe(lobe_kind::CLEARCOAT);
             part.flags = 0;
             part.specular_reflectance = of_scalar(coat);
-            let width = clearcoat::LARGEST + (clearcoat::SMALLEST - clearcoat::LARGEST) * gloss;
-            part.alpha_u = ScalarParameter::constant(width);
-            part.alpha_v = part.alpha_u;
+            part.exponent = gloss;
             parts.push((part, Vec::new(), outside));
         }
         for (record, factors, side) in parts {

@@ -1,11 +1,13 @@
 //! `halflight inspect`: tools that look at the light of a scene.
 
 use super::output_file;
+use super::path_args::PathArgs;
 use super::scene_args::{SceneArgs, build_accel, parse_numbers};
-use crate::expression::PartsRequest;
+use crate::expression::{PartsRequest, PathParts};
 use crate::film::aov::AovSet;
 use crate::film::luminance;
 use crate::image::png_output::write_png_bytes;
+use crate::inspect::paths::{Places, picture};
 use crate::inspect::spherical_plot::{Probe, SphericalPlot};
 use crate::inspect::{ColorScale, false_color};
 use crate::processor::set_threads;
@@ -26,6 +28,8 @@ pub enum Tool {
     FalseColor,
     /// The radiance that arrives at a point from all around.
     SphericalPlot,
+    /// Bundles of the image's paths as arrows.
+    Paths,
 }
 
 /// What false colours tell.
@@ -85,9 +89,24 @@ pub struct InspectArgs {
     /// From where a spherical plot is seen, in the frame of its axes.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, default_value = "1,-2,1.2")]
     pub view: [f32; 3],
-    /// Print numbers as JSON: the scale and, of a spherical plot, the integral.
+    /// Recorded paths.
+    #[command(flatten)]
+    pub path: PathArgs,
+    /// Print numbers as JSON: the scale and, of a spherical plot, the integral; of paths, the tree of clusters.
     #[arg(long)]
     pub json: bool,
+}
+
+impl InspectArgs {
+    /// Of the image that a tool looks at.
+    fn options(&self) -> RenderOptions {
+        RenderOptions {
+            goal: Goal::Samples(self.spp),
+            seed: self.seed,
+            first_sample: 0,
+            adaptive: false,
+        }
+    }
 }
 
 /// Runs the command.
@@ -102,19 +121,27 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
     }
     set_threads(args.threads)?;
     let mut scene = args.scene.load()?;
-    let is_measured = args.tool == Tool::SphericalPlot || args.quantity == Quantity::Irradiance;
+    let is_measured = args.tool == Tool::SphericalPlot
+        || args.tool == Tool::Paths
+        || args.quantity == Quantity::Irradiance;
     if is_measured {
         // These are measured by path tracing, whatever the scene's image is made by.
         scene.settings.kind = halflight_kernel::transport::integrator_kind::PATH;
     }
-    scene.divide(&PartsRequest {
+    let request = PartsRequest {
         layers: Vec::new(),
         only: args.only.clone(),
-    })?;
+    };
+    // Arrows of some paths stand over the image of all.
+    let parts = PathParts::new(&request, &scene.tables.view(), &scene.names)?;
+    if args.tool != Tool::Paths {
+        scene.divide(&request)?;
+    }
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
     let scale = |values: &[f64]| ColorScale::of(values, args.min, args.max, args.log);
+    let mut summary = String::new();
     let (canvas, numbers) = match args.tool {
         Tool::FalseColor => {
             let (film, quantity) = match args.quantity {
@@ -123,13 +150,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
                     "irradiance, W/m²",
                 ),
                 Quantity::Radiance => {
-                    let options = RenderOptions {
-                        goal: Goal::Samples(args.spp),
-                        seed: args.seed,
-                        first_sample: 0,
-                        adaptive: false,
-                    };
-                    let film = render_film(&scene, &options, AovSet::NONE)?;
+                    let film = render_film(&scene, &args.options(), AovSet::NONE)?;
                     (film, "radiance, W/(m² sr)")
                 }
             };
@@ -182,6 +203,24 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
                 json!({"from": scale.least, "to": scale.most, "position": [x, y, z], "integral": integral}),
             )
         }
+        Tool::Paths => {
+            let accel = build_accel(&scene);
+            let tables = scene.tables.view();
+            let traverse = accel.traverse(tables);
+            let view = SceneView {
+                tables,
+                traverse: &traverse,
+            };
+            let record = args.path.load(&view, &scene, &parts, args.spp, args.seed)?;
+            let film = render_film(&scene, &args.options(), AovSet::NONE)?;
+            let places = Places::of(&record);
+            let tree = args.path.tree(&record);
+            let groups = args.path.groups(&record, &tree, &places);
+            let canvas = picture::draw(&view, &film.mean(), &record, &places, &groups)?;
+            let bundles: usize = groups.iter().map(|g| g.bundles.len()).sum();
+            summary = format!("{} paths as {bundles} bundles", record.paths.len());
+            (canvas, tree.json())
+        }
     };
     let [width, height] = canvas.size();
     write_png_bytes(&args.output, width, height, canvas.rgb())?;
@@ -189,10 +228,10 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
         print_line(format_args!("{numbers:#}"))?;
     }
     if !quiet {
-        note(format_args!(
-            "{name}: {} to {}",
-            numbers["from"], numbers["to"]
-        ));
+        if args.tool != Tool::Paths {
+            summary = format!("{} to {}", numbers["from"], numbers["to"]);
+        }
+        note(format_args!("{name}: {summary}"));
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -19,6 +19,7 @@ pub mod manual;
 pub mod material;
 pub mod merge;
 mod output_file;
+pub mod path_args;
 pub mod photon_args;
 mod preview;
 pub mod processor;

@@ -1,8 +1,10 @@
 //! Tools that look at the light of a scene (Kaplanyan 2017, section 9.1.2): false colours with a legend, and the radiance around
-//! a point as a spherical plot; and a record of paths with their vertices. What they look at can be restricted by a path expression.
+//! a point as a spherical plot, and bundles of recorded paths as arrows; and a record of paths with their vertices. What they
+//! look at can be restricted by a path expression.
 
 pub mod false_color;
 mod legend;
+pub mod paths;
 pub mod record;
 pub mod record_file;
 pub mod spherical_plot;

@@ -1,5 +1,7 @@
 //! Tools that look at the light of a scene, against light that is known.
 
+mod clusters;
+mod paths;
 mod probes;
 mod records;
 

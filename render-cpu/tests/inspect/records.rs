@@ -12,8 +12,12 @@ use halflight_kernel::scene::SceneView;
 use std::process::Command;
 
 /// A diffuse floor, a ball of glass and a lamp.
-fn lit_ball() -> Scene {
-    scene(&format!(
+pub fn lit_ball() -> Scene {
+    scene(&lit_ball_text())
+}
+
+pub fn lit_ball_text() -> String {
+    format!(
         r#"{}<shape type="sphere" id="ball"><point name="center" value="0.3, 0, 0.6"/><float name="radius" value="0.5"/>
         <bsdf type="dielectric" id="glass"/></shape>
         <shape type="rectangle" id="panel"><transform name="to_world"><scale value="0.8"/><rotate x="1" angle="180"/><translate x="-1.5" z="3"/></transform>
@@ -22,10 +26,10 @@ fn lit_ball() -> Scene {
             .replace("roughconductor", "diffuse")
             .replace("metal", "paint")
             .replace(r#"<float name="alpha" value="0.1"/>"#, "")
-    ))
+    )
 }
 
-fn recorded(scene: &Scene, only: Option<&str>, choice: &Choice) -> PathRecord {
+pub fn recorded(scene: &Scene, only: Option<&str>, choice: &Choice) -> PathRecord {
     let tables = scene.tables.view();
     let accel = Accel::build(tables, &scene.tables.groups);
     let traverse = accel.traverse(tables);
@@ -41,7 +45,7 @@ fn recorded(scene: &Scene, only: Option<&str>, choice: &Choice) -> PathRecord {
     record(&view, scene, &parts, choice)
 }
 
-const CHOICE: Choice = Choice {
+pub const CHOICE: Choice = Choice {
     most: 4000,
     samples: 256,
     seed: 4,

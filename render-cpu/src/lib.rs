@@ -42,3 +42,4 @@ pub mod processor;
 pub mod render;
 pub mod say;
 pub mod scene;
+pub mod source_stamp;

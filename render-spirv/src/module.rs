@@ -10,6 +10,7 @@
 //! reads (FNV-1a, 64 bits), the compiler's version, and a hash of the module itself. [`Committed::stamp`] is what
 //! `build-shaders` writes and what a test recomputes.
 
+use halflight::source_stamp::{FNV, fnv, source_hash};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -69,10 +70,16 @@ impl Committed {
         let module = std::fs::read(self.path(root))?;
         Ok(format!(
             "sources {:016x}\ncompiler {compiler}\nmodule {:016x}\n",
-            source_hash(root, &[&KERNEL, self.sources].concat())?,
+            source_hash(root, &[&KERNEL, self.sources].concat(), is_source)?,
             fnv(FNV, &module)
         ))
     }
+}
+
+/// Rust files, manifests and locks.
+fn is_source(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e == "rs" || e == "toml" || e == "lock")
 }
 
 /// A module is older than the program that uses it.
@@ -127,16 +134,6 @@ pub fn instructions(words: &[u32]) -> impl Iterator<Item = &[u32]> {
     })
 }
 
-/// FNV-1a over bytes, continued from `hash`.
-fn fnv(hash: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(hash, |hash, &byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
-/// The start of [`fnv`].
-const FNV: u64 = 0xcbf2_9ce4_8422_2325;
-
 /// The names of the module's entry points (`OpEntryPoint`).
 pub fn entry_points(words: &[u32]) -> Vec<String> {
     const OP_ENTRY_POINT: u32 = 15;
@@ -148,46 +145,4 @@ pub fn entry_points(words: &[u32]) -> Vec<String> {
             String::from_utf8_lossy(&name).into_owned()
         })
         .collect()
-}
-
-/// A hash of the names and bytes of files and of all Rust files and manifests in folders, below the workspace's folder
-/// `root`. Line ends do not count.
-fn source_hash(root: &Path, sources: &[&str]) -> io::Result<u64> {
-    let mut files = Vec::new();
-    for source in sources {
-        collect(&root.join(source), &mut files)?;
-    }
-    // The order of reading a folder is the file system's.
-    files.sort();
-    let mut hash = FNV;
-    for file in files {
-        let name = file.strip_prefix(root).unwrap_or(&file);
-        for part in name {
-            hash = fnv(hash, part.as_encoded_bytes());
-            hash = fnv(hash, b"/");
-        }
-        let mut bytes = std::fs::read(&file)?;
-        bytes.retain(|&b| b != b'\r');
-        hash = fnv(hash, &bytes);
-    }
-    Ok(hash)
-}
-
-/// A file, or all sources and manifests of a folder.
-fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
-    if !path.is_dir() {
-        files.push(path.to_path_buf());
-        return Ok(());
-    }
-    for entry in std::fs::read_dir(path)? {
-        let path = entry?.path();
-        let is_source = path
-            .extension()
-            .is_some_and(|e| e == "rs" || e == "toml" || e == "lock");
-        // What a build leaves behind is no source.
-        if (path.is_dir() && !path.ends_with("target")) || is_source {
-            collect(&path, files)?;
-        }
-    }
-    Ok(())
 }

@@ -1,5 +1,6 @@
 //! `halflight inspect`: tools that look at the light of a scene.
 
+use super::inspect_page::PageArgs;
 use super::output_file;
 use super::path_args::PathArgs;
 use super::scene_args::{SceneArgs, build_accel, parse_numbers};
@@ -15,10 +16,10 @@ use crate::render::{Goal, RenderOptions, render_film};
 use crate::say::{note, print_line};
 use clap::{Args, ValueEnum};
 use glam::{DVec3, Vec3};
-use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::{SceneView, Traverse};
 use serde_json::json;
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// What a tool shows.
@@ -47,11 +48,11 @@ pub struct InspectArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// What to look with.
+    /// What to look with. Without one, all of them are in a page for a browser, OUT.html.
     #[arg(long, value_enum, value_name = "TOOL")]
-    pub tool: Tool,
-    /// The picture.
-    #[arg(short, long, value_name = "OUT.png")]
+    pub tool: Option<Tool>,
+    /// The picture, or the page.
+    #[arg(short, long, value_name = "OUT.png|OUT.html")]
     pub output: PathBuf,
     /// Nothing but the paths that an expression matches.
     #[arg(long, value_name = "EXPRESSION")]
@@ -92,14 +93,42 @@ pub struct InspectArgs {
     /// Recorded paths.
     #[command(flatten)]
     pub path: PathArgs,
+    /// The page.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Print numbers as JSON: the scale and, of a spherical plot, the integral; of paths, the tree of clusters.
     #[arg(long)]
     pub json: bool,
 }
 
 impl InspectArgs {
+    /// Files that are read.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let scene = [self.scene.scene.as_path()].into_iter();
+        let paths = self.path.paths.as_deref();
+        scene.chain(paths).chain(self.page.image.as_deref())
+    }
+
+    /// Where a spherical plot is taken, if that is said.
+    ///
+    /// # Errors
+    /// If the pixel sees no surface.
+    pub(super) fn probe<T: Traverse>(
+        &self,
+        view: &SceneView<'_, T>,
+    ) -> Result<Option<Probe>, String> {
+        match (self.at, self.pixel) {
+            (Some(at), _) => Ok(Some(Probe::free(Vec3::from_array(at)))),
+            (None, Some(pixel)) => match Probe::of_pixel(view, pixel) {
+                Some(probe) => Ok(Some(probe)),
+                None => Err(format!("pixel {},{} sees no surface", pixel[0], pixel[1])),
+            },
+            (None, None) => Ok(None),
+        }
+    }
+
     /// Of the image that a tool looks at.
-    fn options(&self) -> RenderOptions {
+    pub(super) fn options(&self) -> RenderOptions {
         RenderOptions {
             goal: Goal::Samples(self.spp),
             seed: self.seed,
@@ -115,15 +144,17 @@ impl InspectArgs {
 /// What keeps the picture from being made or written, in one sentence.
 pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let name = args.output.display();
-    output_file::check(&args.output, &["png"], [args.scene.scene.as_path()])?;
-    if args.tool == Tool::SphericalPlot && args.at.is_none() && args.pixel.is_none() {
+    let Some(tool) = args.tool else {
+        return super::inspect_page::run(args, quiet);
+    };
+    output_file::check(&args.output, &["png"], args.inputs())?;
+    if tool == Tool::SphericalPlot && args.at.is_none() && args.pixel.is_none() {
         return Err("--tool spherical-plot needs a place: --at X,Y,Z or --pixel X,Y".into());
     }
     set_threads(args.threads)?;
     let mut scene = args.scene.load()?;
-    let is_measured = args.tool == Tool::SphericalPlot
-        || args.tool == Tool::Paths
-        || args.quantity == Quantity::Irradiance;
+    let is_measured =
+        tool == Tool::SphericalPlot || tool == Tool::Paths || args.quantity == Quantity::Irradiance;
     if is_measured {
         // These are measured by path tracing, whatever the scene's image is made by.
         scene.settings.kind = halflight_kernel::transport::integrator_kind::PATH;
@@ -134,7 +165,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
     };
     // Arrows of some paths stand over the image of all.
     let parts = PathParts::new(&request, &scene.tables.view(), &scene.names)?;
-    if args.tool != Tool::Paths {
+    if tool != Tool::Paths {
         scene.divide(&request)?;
     }
     for warning in &scene.warnings {
@@ -142,7 +173,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
     }
     let scale = |values: &[f64]| ColorScale::of(values, args.min, args.max, args.log);
     let mut summary = String::new();
-    let (canvas, numbers) = match args.tool {
+    let (canvas, numbers) = match tool {
         Tool::FalseColor => {
             let (film, quantity) = match args.quantity {
                 Quantity::Irradiance => (
@@ -172,12 +203,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
                 tables,
                 traverse: &traverse,
             };
-            let probe = match (args.at, args.pixel) {
-                (Some(at), _) => Probe::free(Vec3::from_array(at)),
-                (None, Some(pixel)) => Probe::of_pixel(&view, pixel)
-                    .ok_or_else(|| format!("pixel {},{} sees no surface", pixel[0], pixel[1]))?,
-                (None, None) => return Err("a spherical plot needs a place".into()),
-            };
+            let probe = args.probe(&view)?.ok_or("a spherical plot needs a place")?;
             let expressions = scene.parts.view();
             let plot = SphericalPlot::measure(
                 &view,
@@ -228,7 +254,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
         print_line(format_args!("{numbers:#}"))?;
     }
     if !quiet {
-        if args.tool != Tool::Paths {
+        if tool != Tool::Paths {
             summary = format!("{} to {}", numbers["from"], numbers["to"]);
         }
         note(format_args!("{name}: {summary}"));

@@ -12,6 +12,7 @@ pub mod info;
 mod info_cost;
 mod info_report;
 pub mod inspect;
+pub mod inspect_page;
 pub mod interrupt;
 pub mod list;
 pub mod look_args;

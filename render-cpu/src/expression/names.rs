@@ -18,7 +18,7 @@ pub struct SceneNames {
 }
 
 /// The name at an index.
-pub(super) fn name(names: &[String], index: usize) -> &str {
+pub(crate) fn name(names: &[String], index: usize) -> &str {
     names.get(index).map_or("", String::as_str)
 }
 
@@ -31,8 +31,17 @@ pub(super) fn light_kind(kind: u32) -> u8 {
     }
 }
 
+/// The letter of an emitter in expressions that fits no other kind of emitters, or L.
+pub(crate) fn light_letter(kind: u32) -> &'static str {
+    match light_kind(kind) {
+        light::OBJECT => "O",
+        light::BACKGROUND => "B",
+        _ => "L",
+    }
+}
+
 /// The region of the shapes of a name: the ball of a sphere, else the box around all of them, along the axes of the world.
-pub(super) fn region(tables: &Tables<'_>, names: &SceneNames, wanted: &str) -> Option<Region> {
+pub(crate) fn region(tables: &Tables<'_>, names: &SceneNames, wanted: &str) -> Option<Region> {
     let shapes = || {
         let all = tables.shapes.iter().enumerate();
         all.filter(|(i, _)| name(&names.shapes, *i) == wanted)
@@ -94,7 +103,7 @@ pub(super) fn region(tables: &Tables<'_>, names: &SceneNames, wanted: &str) -> O
 }
 
 /// Name of the shape of an area light.
-pub(super) fn object_of_emitter(names: &SceneNames, shape: u32) -> &str {
+pub(crate) fn object_of_emitter(names: &SceneNames, shape: u32) -> &str {
     if shape == NONE {
         ""
     } else {

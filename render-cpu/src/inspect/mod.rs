@@ -4,6 +4,7 @@
 
 pub mod false_color;
 mod legend;
+pub mod page;
 pub mod paths;
 pub mod record;
 pub mod record_file;

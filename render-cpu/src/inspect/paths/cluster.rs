@@ -43,7 +43,7 @@ pub struct Cluster {
     pub range: Range<usize>,
     /// Sum of the weights of its paths.
     pub weight: f64,
-    /// The heaviest first.
+    /// The heaviest first, equally heavy ones by their labels.
     pub children: Vec<Cluster>,
 }
 
@@ -71,7 +71,14 @@ pub fn label(record: &PathRecord, vertex: &RecordedVertex, by: ClusterBy) -> Str
         Some(name) if kind == "light" => format!("light {name}"),
         Some(name) => name.clone(),
         None if vertex.object == NONE => kind.to_owned(),
-        None => format!("{kind} {}", vertex.object),
+        None => {
+            let materials = (kind == "object").then_some(&record.header.materials);
+            let material = materials.and_then(|m| m.get(vertex.object as usize));
+            match material.filter(|m| !m.is_empty()) {
+                Some(material) => format!("object {} ({material})", vertex.object),
+                None => format!("{kind} {}", vertex.object),
+            }
+        }
     }
 }
 
@@ -210,7 +217,8 @@ impl Division<'_> {
             .into_iter()
             .map(|(label, paths)| (label, weight(&paths), paths))
             .collect();
-        groups.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let name = |label: Option<u32>| label.map(|l| &self.labels[l as usize]);
+        groups.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| name(a.0).cmp(&name(b.0))));
         let mut at = 0;
         for (_, _, mut group) in groups {
             cluster

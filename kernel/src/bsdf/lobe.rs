@@ -107,6 +107,10 @@ pub fn has_delta(lobe: &Lobe) -> bool {
 /// f |cos|, with the cosine between `wo` and the lobe's own normal; without the discrete part.
 #[inline]
 pub fn eval_cosine(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+    #[cfg(not(target_arch = "spirv"))]
+    if is_plain(lobe) {
+        return plain::eval_cosine(lobe, data, wi, wo);
+    }
     let (i, o) = pair_to_model(lobe, data, wi, wo);
     if !o.valid {
         return Vec3::ZERO;
@@ -153,6 +157,17 @@ fn eval_cosine_pdf_layered(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rg
 #[cfg(not(target_arch = "spirv"))]
 pub(crate) mod plain {
     use super::*;
+
+    /// [`eval_cosine`](super::eval_cosine) of a plain lobe.
+    #[inline(always)]
+    pub fn eval_cosine(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+        if !is_active(lobe.flags, wi) || wo.z == 0.0 {
+            return Vec3::ZERO;
+        }
+        let flip = is_flipped(lobe, wi);
+        let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+        model::eval(lobe, data, wi, wo) * float::abs(wo.z)
+    }
 
     /// [`eval_cosine_pdf`](super::eval_cosine_pdf) of a plain lobe.
     #[inline(always)]

@@ -217,6 +217,9 @@ pub struct PhotonSettings {
     pub least_radius: f32,
     /// Largest radius of adaptive photon mapping, over that of the scene.
     pub largest_radius: f32,
+    /// Photons of a pass within the first radius of each pixel of progressive photon mapping
+    /// ([`crate::transport::photon::nearest`]), zero for one radius for all; of no account where `initial_radius` is given.
+    pub nearest: u32,
 }
 
 impl PhotonSettings {
@@ -230,6 +233,7 @@ impl PhotonSettings {
         least_radius: statistics::LEAST_RADIUS,
         // Half of the thesis's: the first passes of larger ones take long, and their bias lasts.
         largest_radius: 0.5 * statistics::LARGEST_RADIUS,
+        nearest: 0,
     };
 }
 

@@ -3,6 +3,7 @@
 use crate::scene::build::Scene;
 use clap::Args;
 use halflight_kernel::transport::integrator_kind;
+use halflight_kernel::transport::photon::nearest::MOST_NEAREST;
 
 /// What the command line changes about photon mapping.
 #[derive(Args, Clone, Debug)]
@@ -13,6 +14,9 @@ pub struct PhotonArgs {
     /// Radius within which photons are gathered in the first pass, in units of the scene.
     #[arg(help_heading = "Algorithm", long, value_name = "R", value_parser = parse_radius)]
     pub radius: Option<f32>,
+    /// Photons that the first radius of each pixel holds (sppm), 0 for one radius for all pixels.
+    #[arg(help_heading = "Algorithm", long, value_name = "K", value_parser = clap::value_parser!(u32).range(0..=i64::from(MOST_NEAREST)))]
+    pub nearest: Option<u32>,
 }
 
 impl PhotonArgs {
@@ -36,9 +40,22 @@ impl PhotonArgs {
                     .to_string(),
             );
         }
+        if self.nearest.is_some() && kind != integrator_kind::PROGRESSIVE_PHOTONS {
+            return Err(
+                "--nearest is for stochastic progressive photon mapping (--integrator sppm)"
+                    .to_string(),
+            );
+        }
+        if self.nearest.is_some() && self.radius.is_some() {
+            return Err("--nearest and --radius both say what the first radius is".to_string());
+        }
         let own = &mut scene.settings.photon;
         own.photon_count = self.photons.unwrap_or(own.photon_count);
         own.initial_radius = self.radius.unwrap_or(own.initial_radius);
+        if let Some(nearest) = self.nearest {
+            own.nearest = nearest;
+            own.initial_radius = 0.0;
+        }
         Ok(())
     }
 }

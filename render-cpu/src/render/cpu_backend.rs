@@ -6,7 +6,7 @@ use super::divided_layers::{Division, render_divided_layers};
 use super::options::{Outcome, RenderOptions, RunState};
 use super::own_layers::own_layers;
 use super::passes::render_passes;
-use super::pilot::PilotDensity;
+use super::pilot::Pilots;
 use super::run_loop::{NoObserver, Observer, render_with};
 use super::splatting::render_layers;
 use super::stop::Stop;
@@ -23,7 +23,7 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::IntegratorSettings;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 /// Side of the square of pixels that a thread takes at a time.
 const TILE: u32 = 16;
@@ -85,8 +85,8 @@ pub struct CpuBackend<'a> {
     pub accel: &'a Accel,
     /// Seed and first sample.
     pub options: &'a RenderOptions,
-    /// What vertex merging knows of its photons, once it has run.
-    pilot: OnceLock<PilotDensity>,
+    /// What a run knows of its photons before its passes.
+    pilots: Pilots,
 }
 
 impl<'a> CpuBackend<'a> {
@@ -96,7 +96,7 @@ impl<'a> CpuBackend<'a> {
             scene,
             accel,
             options,
-            pilot: OnceLock::new(),
+            pilots: Pilots::default(),
         }
     }
 }
@@ -123,16 +123,16 @@ impl Backend for CpuBackend<'_> {
         }
         let is_shared = matches!(shape(settings.kind), Shape::Splats | Shape::Passes);
         if let (true, Some(division), None) = (is_shared, &division, counts) {
-            let pilot = &self.pilot;
+            let pilots = &self.pilots;
             return Ok(if is_sobol {
                 let new = SobolSampler::new;
                 render_divided_layers(
-                    &view, settings, division, options, film, per_pixel, new, stop, pilot,
+                    &view, settings, division, options, film, per_pixel, new, stop, pilots,
                 )
             } else {
                 let new = IndependentSampler::new;
                 render_divided_layers(
-                    &view, settings, division, options, film, per_pixel, new, stop, pilot,
+                    &view, settings, division, options, film, per_pixel, new, stop, pilots,
                 )
             });
         }
@@ -157,20 +157,22 @@ impl Backend for CpuBackend<'_> {
             }
             Shape::Passes if is_sobol => {
                 let new = SobolSampler::new;
-                render_passes(&view, settings, options, film, per_pixel, new, stop)
+                let radii = &self.pilots.radii;
+                render_passes(&view, settings, options, film, per_pixel, new, stop, radii)
             }
             Shape::Passes => {
                 let new = IndependentSampler::new;
-                render_passes(&view, settings, options, film, per_pixel, new, stop)
+                let radii = &self.pilots.radii;
+                render_passes(&view, settings, options, film, per_pixel, new, stop, radii)
             }
             Shape::Splats if is_sobol => {
                 let new = SobolSampler::new;
-                let pilot = &self.pilot;
+                let pilot = &self.pilots.density;
                 render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
             }
             Shape::Splats => {
                 let new = IndependentSampler::new;
-                let pilot = &self.pilot;
+                let pilot = &self.pilots.density;
                 render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
             }
             Shape::Chains => {

@@ -6,10 +6,11 @@
 
 use super::backend::PassEnd;
 use super::bidirectional_job::Vertices;
+use super::first_radii::FirstRadii;
 use super::options::RenderOptions;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
-use super::pilot::PilotDensity;
+use super::pilot::{PilotDensity, Pilots};
 use super::splat::{Splat, SplatFilter};
 use super::splatting::{Tile, pixel, tile_samples, trace_photons};
 use super::stop::Stop;
@@ -27,10 +28,11 @@ use halflight_kernel::transport::bidirectional::{
 };
 use halflight_kernel::transport::photon::divided::sample_among_photons;
 use halflight_kernel::transport::photon::merging::PassPhotons;
-use halflight_kernel::transport::photon::progressive::{Progressive, light_walks, pass_radius};
+use halflight_kernel::transport::photon::progressive::{
+    Progressive, light_walks, pass_radius, radius_after,
+};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-use std::sync::OnceLock;
 
 /// Rows whose samples one thread takes, and whose splats one thread adds, at a time.
 const ROWS: u32 = 8;
@@ -91,13 +93,15 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     layers: u32,
     new: impl Fn(u32, u32, u32) -> S + Sync,
     stop: &Stop<'_>,
-    pilot: &OnceLock<PilotDensity>,
+    pilots: &Pilots,
 ) -> PassEnd {
     let (width, height) = (film.width(), film.height());
     let filter = SplatFilter::new(&view.tables.camera);
     let merges = settings.kind == integrator_kind::VERTEX_MERGING;
-    let density = PilotDensity::of_run(pilot, view, settings, options.seed, stop, &new);
-    let Some(density) = density else {
+    let (seed, pilot) = (options.seed, &pilots.density);
+    let density = PilotDensity::of_run(pilot, view, settings, seed, stop, &new);
+    let radii = FirstRadii::of_run(&pilots.radii, view, settings, seed, film, stop, &new);
+    let (Some(density), Some(first_radii)) = (density, radii) else {
         return PassEnd::Cut;
     };
     let idle = Idle::new();
@@ -142,6 +146,10 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     height: ROWS.min(height - band * ROWS),
                 };
                 let mut samples = tile_samples(view, options.seed, layer, tile, &new);
+                let radii: Option<Vec<f32>> = first_radii.map(|first| {
+                    let of_pass = |first| radius_after(first, settings, layer);
+                    first.of_tile(tile).map(of_pass).collect()
+                });
                 stop.took(samples.len());
                 Some(sample_rows(
                     view,
@@ -149,6 +157,7 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     &algorithm,
                     division,
                     photons,
+                    radii.as_deref(),
                     &mut samples,
                 ))
             })
@@ -212,13 +221,14 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
     sorted.map_or(Photons::Interrupted, Photons::Sorted)
 }
 
-/// Takes the samples of whole rows.
+/// Takes the samples of whole rows, with radii of their own if there are any.
 fn sample_rows<T: Traverse, S: LaneSampler>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     algorithm: &Bidirectional<'_>,
     division: &Division<'_>,
     photons: Option<DividedPhotons<'_>>,
+    radii: Option<&[f32]>,
     samples: &mut [super::bidirectional_job::TileSample<S>],
 ) -> Found {
     let images = 1 + division.count;
@@ -253,11 +263,15 @@ fn sample_rows<T: Traverse, S: LaneSampler>(
         };
         if let (integrator_kind::PROGRESSIVE_PHOTONS, Some(photons)) = (settings.kind, &photons) {
             let algorithm = Progressive::new(&view.tables, settings);
+            let mut photons = *photons;
+            if let Some(radii) = radii {
+                photons.photons.radius = radii[i];
+            }
             sample_among_photons(
                 view,
                 &algorithm,
                 &expressions,
-                photons,
+                &photons,
                 &mut sample.camera,
                 &seen,
                 &mut states,

@@ -9,6 +9,7 @@ mod chains;
 mod checkpoint_file;
 mod cpu_backend;
 mod divided_layers;
+mod first_radii;
 mod lockstep_walks;
 mod options;
 mod own_layers;

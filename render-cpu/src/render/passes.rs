@@ -6,7 +6,9 @@
 
 use super::backend::PassEnd;
 use super::bidirectional_job::TileSamples;
+use super::first_radii::FirstRadii;
 use super::options::RenderOptions;
+use super::photon_job::Radii;
 use super::photon_pass::{Idle, PhotonTask};
 use super::photon_statistics::{PixelStatistics, keep, statistics_of};
 use super::splatting::{pixel, tile_samples, tiles};
@@ -19,10 +21,13 @@ use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::photon::adaptive::{AdaptiveRadii, next_radii};
 use halflight_kernel::transport::photon::merging::PassPhotons;
-use halflight_kernel::transport::photon::progressive::{Progressive, light_walks, pass_radius};
+use halflight_kernel::transport::photon::progressive::{
+    Progressive, light_walks, pass_radius, radius_after,
+};
 use halflight_kernel::transport::photon::statistics::PhotonPass;
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use std::sync::OnceLock;
 
 /// Side of the square of pixels whose camera walks are traced together.
 const TILE: u32 = 32;
@@ -36,8 +41,13 @@ pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
     passes: u32,
     new: impl Fn(u32, u32, u32) -> S + Sync,
     stop: &Stop<'_>,
+    pilot: &OnceLock<FirstRadii>,
 ) -> PassEnd {
     let idle = Idle::new();
+    let found = FirstRadii::of_run(pilot, view, settings, options.seed, film, stop, &new);
+    let Some(first) = found else {
+        return PassEnd::Cut;
+    };
     for taken in 0..passes {
         if taken > 0 && stop.is_set() {
             return PassEnd::Cut;
@@ -48,6 +58,7 @@ pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
             settings,
             seed: options.seed,
             index: pass,
+            first,
             idle: &idle,
             stop,
         };
@@ -64,6 +75,7 @@ struct Pass<'a, T: Traverse> {
     settings: &'a IntegratorSettings,
     seed: u32,
     index: u32,
+    first: Option<&'a FirstRadii>,
     idle: &'a Idle,
     stop: &'a Stop<'a>,
 }
@@ -101,12 +113,25 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                     return None;
                 }
                 let mut samples = tile_samples(view, self.seed, self.index, tile, new);
-                let radii: Option<Vec<AdaptiveRadii>> = is_adaptive.then(|| {
-                    let of_tile = statistics.of_tile(tile);
+                let first: Option<Vec<f32>> = self.first.map(|f| f.of_tile(tile).collect());
+                let of_first = |i: usize| first.as_ref().map_or(0.0, |first| first[i]);
+                let adaptive: Vec<AdaptiveRadii> = if is_adaptive {
+                    let of_tile = statistics.of_tile(tile).enumerate();
                     of_tile
-                        .map(|s| next_radii(&view.tables, settings, &s))
+                        .map(|(i, s)| next_radii(&view.tables, settings, &s, of_first(i)))
                         .collect()
+                } else {
+                    Vec::new()
+                };
+                let own: Option<Vec<f32>> = first.as_ref().map(|first| {
+                    let of_pass = |r: &f32| radius_after(*r, settings, self.index);
+                    first.iter().map(of_pass).collect()
                 });
+                let radii = match &own {
+                    _ if is_adaptive => Radii::Adaptive(&adaptive),
+                    Some(own) => Radii::Own(own),
+                    None => Radii::Shared,
+                };
                 let mut out = TileSamples::default();
                 let sums = self.idle.with(|workspace| {
                     workspace.gather(
@@ -114,7 +139,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                         settings,
                         &algorithm,
                         &photons,
-                        radii.as_deref(),
+                        radii,
                         &mut samples,
                         &mut out,
                     )
@@ -137,7 +162,8 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 {
                     let mut statistics = statistics_of(numbers);
                     statistics.update(sums, photons.emitted as f32);
-                    let next = next_radii(&view.tables, settings, &statistics);
+                    let first = self.first.map_or(0.0, |first| first.of_pixel(x, y));
+                    let next = next_radii(&view.tables, settings, &statistics, first);
                     keep(numbers, &statistics, next.radius);
                 }
                 if needs_surface {

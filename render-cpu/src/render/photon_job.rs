@@ -6,7 +6,7 @@ use super::bidirectional_job::{Shadows, TileSample, TileSamples};
 use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::photon_cache::PhotonList;
 use glam::Vec3;
-use halflight_kernel::path::{PathExpressions, PathStates, ShadingPoint, Walk};
+use halflight_kernel::path::{Interaction, PathExpressions, PathStates, ShadingPoint, Walk};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -20,6 +20,21 @@ use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
 /// Light walks that are traced together.
 pub(super) const WALKS: u32 = RAYS as u32;
+
+/// What a gather does with the vertex at which the walk of the sample with an index has arrived.
+pub(super) type Find<'a> = dyn FnMut(usize, &Interaction<'_>) + 'a;
+
+/// Radii within which the samples of a tile gather.
+pub(super) enum Radii<'a> {
+    /// One for all, that of the photons.
+    Shared,
+    /// One for each sample.
+    Own(&'a [f32]),
+    /// Those of each sample, whose statistics learn from the photons.
+    Adaptive(&'a [AdaptiveRadii]),
+    /// Nothing is gathered, but looked at where it would be.
+    Found(&'a mut Find<'a>),
+}
 
 /// What a thread needs for its share of a pass.
 pub(super) struct PhotonWorkspace {
@@ -78,15 +93,15 @@ impl PhotonWorkspace {
         list
     }
 
-    /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held. With `radii` of each, returns what
-    /// their statistics learn.
+    /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held. Returns what the statistics of
+    /// adaptive radii learn.
     pub fn gather<T: Traverse, S: LaneSampler>(
         &mut self,
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
         algorithm: &Progressive<'_>,
         photons: &PassPhotons<'_>,
-        radii: Option<&[AdaptiveRadii]>,
+        mut radii: Radii<'_>,
         samples: &mut [TileSample<S>],
         out: &mut TileSamples,
     ) -> Vec<PhotonPass> {
@@ -95,7 +110,11 @@ impl PhotonWorkspace {
         out.splats.clear();
         self.walks.clear();
         self.weights.clear();
-        let mut sums = vec![PhotonPass::default(); radii.map_or(0, <[_]>::len)];
+        let learning = match &radii {
+            Radii::Adaptive(radii) => radii.len(),
+            _ => 0,
+        };
+        let mut sums = vec![PhotonPass::default(); learning];
         for sample in samples.iter_mut() {
             let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
             self.walks
@@ -111,8 +130,8 @@ impl PhotonWorkspace {
                     hit,
                     site,
                     photons.emitted,
-                    |walk, at, only_unfound| match radii {
-                        Some(radii) => adaptive::gather(
+                    |walk, at, only_unfound| match &mut radii {
+                        Radii::Adaptive(radii) => adaptive::gather(
                             &algorithm.connector,
                             walk,
                             at,
@@ -121,8 +140,15 @@ impl PhotonWorkspace {
                             only_unfound,
                             &mut sums[i],
                         ),
-                        None => {
+                        Radii::Shared => {
                             algorithm.gather(walk, at, &photons.cache, photons.radius, only_unfound)
+                        }
+                        Radii::Own(radii) => {
+                            algorithm.gather(walk, at, &photons.cache, radii[i], only_unfound)
+                        }
+                        Radii::Found(find) => {
+                            find(i, at);
+                            Vec3::ZERO
                         }
                     },
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),

@@ -1,9 +1,10 @@
-//! The pilot pass of vertex merging: how many photons there are where, for its weights
+//! Pilot passes, and that of vertex merging: how many photons there are where, for its weights
 //! ([`halflight_kernel::path::photon_density`]).
 //!
 //! Its photons are those of a stream of numbers of its own, so the weights of a pass do not depend on the photons of that
 //! pass, and every pass of a run has the same. Cells are twice as wide as the first radius.
 
+use super::first_radii::FirstRadii;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
 use super::stop::Stop;
@@ -30,6 +31,15 @@ const RADII: f32 = 2.0;
 /// Entries of the grid for a number of photons.
 fn entries(photons: usize) -> usize {
     (2 * photons).next_power_of_two().clamp(1 << 10, 1 << 20)
+}
+
+/// What a run knows of its photons before its passes: each pilot pass runs when it is first asked for.
+#[derive(Default)]
+pub struct Pilots {
+    /// How many there are where, for the weights of vertex merging.
+    pub density: OnceLock<PilotDensity>,
+    /// The first radii of pixels.
+    pub radii: OnceLock<FirstRadii>,
 }
 
 /// The counts.

@@ -116,20 +116,23 @@ fn mean_is_that_of_path_tracing() {
     let traced = scene(&integrator("path", &[depth]), &room());
     let (expected, error) = mean(&traced, 100, 8, 512);
     let algorithms = [
-        ("sppm", 0.01),
-        ("sppm", 0.15),
-        ("sppm", 0.5),
-        ("vcm", 0.0),
-        ("vm", 0.0),
-        ("appm", 0.15),
+        ("sppm", 0.01, 0.03),
+        ("sppm", 0.15, 0.03),
+        ("sppm", 0.5, 0.03),
+        // Radii of their own, of the nearest photons.
+        ("sppm", 0.15, 0.0),
+        ("vcm", 0.0, 0.03),
+        ("vm", 0.0, 0.03),
+        ("appm", 0.15, 0.03),
     ];
-    for (plugin, gather_roughness) in algorithms {
+    for (plugin, gather_roughness, initial_radius) in algorithms {
         let properties = [
             depth,
             ("photon_count", 40_000.0),
-            ("initial_radius", 0.03),
+            ("initial_radius", initial_radius),
             ("gather_roughness", gather_roughness),
             ("max_radius", 0.02),
+            ("nearest", 10.0),
         ];
         let scene = scene(&integrator(plugin, &properties), &room());
         let (found, noise) = mean(&scene, 3, 8, 16);
@@ -138,7 +141,7 @@ fn mean_is_that_of_path_tracing() {
             let tolerance = 5.0 * (error[c].hypot(noise[c])) + 0.015 * expected[c];
             assert!(
                 (found[c] - expected[c]).abs() < tolerance,
-                "{plugin}, roughness {gather_roughness}, channel {c}: {} +- {} instead of {} +- {}",
+                "{plugin}, roughness {gather_roughness}, radius {initial_radius}, channel {c}: {} +- {} instead of {} +- {}",
                 found[c],
                 noise[c],
                 expected[c],

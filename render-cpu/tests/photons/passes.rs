@@ -33,16 +33,18 @@ fn bits(film: &Film) -> Vec<[u64; 7]> {
 
 #[test]
 fn any_number_of_threads_and_any_cut_give_the_same_bits() {
-    for (plugin, sampler) in [
-        ("sppm", "independent"),
-        ("sppm", "sobol"),
-        ("appm", "independent"),
-        ("vcm", "independent"),
-        ("vm", "sobol"),
+    let rules = [("photon_count", 5000.0), ("max_depth", 6.0)];
+    let nearest = [rules[0], rules[1], ("nearest", 8.0)];
+    for (plugin, sampler, properties) in [
+        ("sppm", "independent", &rules[..]),
+        ("sppm", "sobol", &rules),
+        ("sppm", "independent", &nearest),
+        ("appm", "independent", &rules),
+        ("vcm", "independent", &rules),
+        ("vm", "sobol", &rules),
     ] {
         let content = CONTENT.replace("</film>", &format!("</film><sampler type=\"{sampler}\"/>"));
-        let properties = [("photon_count", 5000.0), ("max_depth", 6.0)];
-        let scene = scene(&integrator(plugin, &properties), &content);
+        let scene = scene(&integrator(plugin, properties), &content);
         let with_threads = |threads: usize, count: u32| {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)

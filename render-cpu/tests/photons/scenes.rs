@@ -26,7 +26,7 @@ pub fn integrator(plugin: &str, properties: &[(&str, f64)]) -> String {
     let mut text = format!("<integrator type=\"{plugin}\">");
     for (name, value) in properties {
         let kind = match *name {
-            "photon_count" | "max_depth" | "rr_depth" => "integer",
+            "photon_count" | "nearest" | "max_depth" | "rr_depth" => "integer",
             _ => "float",
         };
         text += &format!("<{kind} name=\"{name}\" value=\"{value}\"/>");

@@ -116,7 +116,7 @@ layouts! {
     direct, DirectSettings { emitter_samples, bsdf_samples }
     occlusion, OcclusionSettings { samples, distance }
     bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted }
-    photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness, connections, least_radius, largest_radius }
+    photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness, connections, least_radius, largest_radius, nearest }
     chains, ChainSettings {
         technique, p_large, candidates, chains, mutations, direct_samples, chain_length, bidirectional_weight,
         lens_weight, caustic_weight, multi_chain_weight, manifold_weight, half_vector_weight, lambda, half_vector_flags,

@@ -13,12 +13,12 @@
 
 use super::cache::PhotonCache;
 use super::estimate::{for_photons_within, scattered};
+use super::nearest::USUAL_NEAREST;
 use super::progressive::light_walks;
 use super::statistics::{PhotonPass, PhotonStatistics, Variance};
 use super::tracing::is_the_only_way;
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::path::{Connector, Interaction, Walk};
-use crate::regularize::mollifier;
 use crate::scene::Tables;
 use crate::transport::settings::IntegratorSettings;
 use glam::{Vec2, Vec3};
@@ -32,9 +32,29 @@ pub struct AdaptiveRadii {
     pub derivative: f32,
 }
 
+/// Most photons of a pass that a pixel gathers on average: what they cost stays below what tracing them does.
+const MOST_GATHERED: f32 = 128.0;
+
 /// The radii of the next pass, from the statistics of all before it, each of `emitted` light walks. Both start with the largest
-/// that the settings allow.
+/// that is allowed: by the settings, and by `nearest_distance`, within which
+/// [`USUAL_NEAREST`] photons of a pass lie.
 pub fn next_radii(
+    tables: &Tables<'_>,
+    settings: &IntegratorSettings,
+    statistics: &PhotonStatistics,
+    nearest_distance: f32,
+) -> AdaptiveRadii {
+    let cap = nearest_distance * float::sqrt(MOST_GATHERED / USUAL_NEAREST as f32);
+    let radii = unbounded_radii(tables, settings, statistics);
+    // The Laplacian reaches twice as far as its radius.
+    AdaptiveRadii {
+        radius: radii.radius.min(cap),
+        derivative: radii.derivative.min(0.5 * cap),
+    }
+}
+
+/// [`next_radii`] without regard to how many photons there are.
+fn unbounded_radii(
     tables: &Tables<'_>,
     settings: &IntegratorSettings,
     statistics: &PhotonStatistics,
@@ -95,10 +115,7 @@ pub fn gather(
             Vec2::new(distance, 0.0)
         };
         let psi = luminance(walk.subpath.throughput * value);
-        sums.add(offset, psi, radii.radius, radii.derivative);
-        if distance < radii.radius {
-            sum += value * mollifier::eval_scaled(mollifier::PERLIN, 2, distance, radii.radius);
-        }
+        sum += value * sums.add(offset, psi, radii.radius, radii.derivative);
     });
     sum
 }

@@ -6,6 +6,7 @@
 //! | [`tracing`] | light walks that leave photons |
 //! | [`estimate`] | the density estimate at a vertex |
 //! | [`merging`] | vertex merging |
+//! | [`nearest`] | the distance to the k-th nearest photon |
 //! | [`progressive`] | progressive photon mapping |
 //! | [`adaptive`] | a radius for each pixel |
 //! | [`schedule`] | radii that shrink by a fixed rule |
@@ -19,6 +20,7 @@ pub mod cache;
 pub mod divided;
 pub mod estimate;
 pub mod merging;
+pub mod nearest;
 pub mod progressive;
 pub mod schedule;
 pub mod statistics;

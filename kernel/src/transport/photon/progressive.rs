@@ -26,6 +26,7 @@
 
 use super::cache::{Photon, PhotonCache};
 use super::estimate::{KERNEL, for_photons_within, scattered};
+use super::nearest::USUAL_NEAREST;
 use super::schedule;
 use super::tracing::{PhotonTracer, is_the_only_way};
 use crate::math::{Rgb, float, vec3};
@@ -74,8 +75,23 @@ pub fn first_radius(tables: &Tables<'_>, settings: &IntegratorSettings) -> f32 {
 
 /// The radius of the pass with an index, counted from zero.
 pub fn pass_radius(tables: &Tables<'_>, settings: &IntegratorSettings, pass: u32) -> f32 {
-    let first = first_radius(tables, settings);
+    radius_after(first_radius(tables, settings), settings, pass)
+}
+
+/// The radius of the pass with an index, counted from zero, where that of the first is `first`.
+pub fn radius_after(first: f32, settings: &IntegratorSettings, pass: u32) -> f32 {
     schedule::radius(first, pass.saturating_add(1), settings.photon.alpha)
+}
+
+/// The photon of a pilot pass whose distance is the first radius of a pixel, or says how large that of adaptive photon mapping
+/// may be; zero where one radius is for all pixels.
+pub fn nearest_of_pixels(settings: &IntegratorSettings) -> u32 {
+    let own = &settings.photon;
+    match settings.kind {
+        integrator_kind::ADAPTIVE_PHOTONS => USUAL_NEAREST,
+        integrator_kind::PROGRESSIVE_PHOTONS if !(own.initial_radius > 0.0) => own.nearest,
+        _ => 0,
+    }
 }
 
 /// The algorithm over a scene.

@@ -98,12 +98,14 @@ pub struct PhotonPass {
 }
 
 impl PhotonPass {
-    /// Adds a photon at `offset` from the eye path's vertex, in its tangent plane, with the contribution `psi`.
+    /// Adds a photon at `offset` from the eye path's vertex, in its tangent plane, with the contribution `psi`; returns the
+    /// kernel of the estimate there.
     #[inline]
-    pub fn add(&mut self, offset: Vec2, psi: f32, radius: f32, derivative_radius: f32) {
+    pub fn add(&mut self, offset: Vec2, psi: f32, radius: f32, derivative_radius: f32) -> f32 {
         let distance = sqrt(offset.length_squared());
+        let mut k = 0.0;
         if distance < radius {
-            let k = mollifier::eval_scaled(PERLIN, 2, distance, radius);
+            k = mollifier::eval_scaled(PERLIN, 2, distance, radius);
             self.photons += 1.0;
             self.sum += psi;
             self.square_sum += psi * psi;
@@ -113,6 +115,7 @@ impl PhotonPass {
         if distance < 2.0 * derivative_radius {
             self.laplacian_sum += psi * laplacian_kernel(offset, derivative_radius);
         }
+        k
     }
 }
 

@@ -11,6 +11,7 @@ use crate::integrators::{self, INTEGRATORS};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::transport::markov::primary_space::technique;
+use halflight_kernel::transport::photon::nearest::MOST_NEAREST;
 use halflight_kernel::transport::settings::{PhotonSettings, RegularizationSettings};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use std::sync::Arc;
@@ -129,6 +130,8 @@ fn read_photon_settings(object: &Object, photon: &mut PhotonSettings) -> Result<
     }
     photon.alpha = object.get_float_in("alpha", photon.alpha.into(), 0.0, 1.0)? as f32;
     photon.initial_radius = object.get_float_in("initial_radius", 0.0, 0.0, 1e30)? as f32;
+    let nearest = i64::from(photon.nearest);
+    photon.nearest = object.get_int_in("nearest", nearest, 0, i64::from(MOST_NEAREST))? as u32;
     let (least, largest) = (photon.least_radius.into(), photon.largest_radius.into());
     photon.least_radius = object.get_float_in("min_radius", least, 0.0, 1.0)? as f32;
     photon.largest_radius = object.get_float_in("max_radius", largest, 0.0, 1.0)? as f32;

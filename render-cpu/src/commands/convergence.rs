@@ -80,6 +80,10 @@ pub fn run(args: &ConvergenceArgs, quiet: bool) -> Result<ExitCode, Box<dyn Erro
     for path in args.output.iter().chain(&args.sheet) {
         output_file::check(path, &["png"], inputs().map(PathBuf::as_path))?;
     }
+    let outputs = [(&args.output, "the diagram"), (&args.sheet, "the sheet")];
+    let outputs = outputs.into_iter();
+    let outputs = outputs.filter_map(|(path, what)| Some((path.as_deref()?, what)));
+    output_file::check_distinct(&outputs.collect::<Vec<_>>())?;
     set_threads(args.threads)?;
     let (mut scene, integrators) = load_for_each(&args.scene, &args.integrators)?;
     let size = scene.tables.camera.crop_size;

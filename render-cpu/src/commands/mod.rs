@@ -30,6 +30,7 @@ pub mod regularization_args;
 pub mod regularization_experiment;
 pub mod render;
 pub mod render_args;
+mod render_formats;
 mod render_observer;
 mod render_output;
 mod render_state;

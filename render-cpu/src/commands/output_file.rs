@@ -39,10 +39,9 @@ pub fn check<'a>(
             return wrong("it is read-only".into());
         }
     }
-    let real = |path: &Path| -> PathBuf { path.canonicalize().unwrap_or_else(|_| path.to_owned()) };
-    let own = real(&target);
+    let own = identity(output);
     for input in inputs {
-        if own == real(input) {
+        if own == identity(input) {
             return wrong(format!(
                 "it would replace {}, which is read",
                 input.display()
@@ -58,6 +57,35 @@ pub fn check<'a>(
         Ok(_) => Ok(()),
         Err(error) => wrong(format!("{} takes no files: {error}", folder.display())),
     }
+}
+
+/// Makes sure that no two of the files that a command writes are the same; each with what is written there.
+///
+/// # Errors
+/// Which ones are, in one sentence.
+pub fn check_distinct(outputs: &[(&Path, &str)]) -> Result<(), String> {
+    for (i, (path, what)) in outputs.iter().enumerate() {
+        let same = |other: &&(&Path, &str)| identity(other.0) == identity(path);
+        if let Some((_, other)) = outputs[..i].iter().find(same) {
+            return Err(format!(
+                "{}: {other} and {what} cannot be one file",
+                path.display()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A path by which a file is known, whether it is there or not: links are followed.
+fn identity(path: &Path) -> PathBuf {
+    let target = destination(path);
+    let folder = match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let in_folder = || Some(folder.canonicalize().ok()?.join(target.file_name()?));
+    let real = target.canonicalize().ok().or_else(in_folder);
+    real.unwrap_or_else(|| target.clone())
 }
 
 /// ".exr", or ".png, .jpg or .hdr".

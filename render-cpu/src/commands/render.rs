@@ -97,6 +97,7 @@ pub fn run_with(
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
+    args.warn_of_lost_layers(&output, &scene);
     let recorded = args.record.parts(&scene)?;
     let accel = build_accel(&scene);
     tracing::info!(

@@ -39,19 +39,25 @@ impl RenderArgs {
                 PathBuf::from(stem).with_extension("exr")
             }
         };
-        let inputs = [
-            Some(&self.scene.scene),
-            self.resume.as_ref(),
-            self.checkpoint.as_ref(),
-        ];
+        let inputs = [Some(&self.scene.scene), self.resume.as_ref()];
         let inputs = || inputs.into_iter().flatten().map(PathBuf::as_path);
         output_file::check(&output, &EXTENSIONS, inputs())?;
+        let png = output.with_extension("png");
+        let mut outputs = vec![(output.as_path(), "the image")];
         if self.writes_png(&output) {
-            output_file::check(&output.with_extension("png"), &[], inputs())?;
+            output_file::check(&png, &[], inputs())?;
+            outputs.push((&png, "the PNG beside the image"));
         }
         if let Some(checkpoint) = &self.checkpoint {
             output_file::check(checkpoint, &[], [self.scene.scene.as_path()])?;
+            outputs.push((checkpoint, "the checkpoint"));
         }
+        if let Some(record) = &self.record.record {
+            output_file::check(record, &[], inputs())?;
+            outputs.push((record, "the record of paths"));
+        }
+        output_file::check_distinct(&outputs)?;
+        self.check_format(&output)?;
         Ok(output)
     }
 

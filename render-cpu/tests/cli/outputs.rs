@@ -194,3 +194,112 @@ fn an_image_is_not_lost_with_its_folder() {
     );
     assert!(super::read(&image).channel("R").is_some());
 }
+
+#[test]
+fn two_files_are_not_written_to_one_place() {
+    let place = Place::with_scene();
+    for (arguments, part) in [
+        (
+            &["render", "scene.xml", "-o", "q.exr", "--record", "q.exr"][..],
+            "the image and the record of paths cannot be one file",
+        ),
+        (
+            &["render", "scene.xml", "-o", "q.exr", "--record", "./q.png"],
+            "the PNG beside the image and the record of paths",
+        ),
+        (
+            &[
+                "render",
+                "scene.xml",
+                "-o",
+                "x.exr",
+                "--checkpoint",
+                "x.exr",
+            ],
+            "the image and the checkpoint cannot be one file",
+        ),
+        (
+            &[
+                "render",
+                "scene.xml",
+                "-o",
+                "x.exr",
+                "--checkpoint",
+                "c",
+                "--record",
+                "c",
+            ],
+            "the checkpoint and the record of paths",
+        ),
+        (
+            &[
+                "render",
+                "scene.xml",
+                "-o",
+                "x.exr",
+                "--record",
+                "scene.xml",
+            ],
+            "it would replace scene.xml",
+        ),
+        (
+            &[
+                "render",
+                "scene.xml",
+                "-o",
+                "x.exr",
+                "--record",
+                "no/where.jsonl",
+            ],
+            "there is no folder",
+        ),
+        (
+            &[
+                "experiment",
+                "convergence",
+                "scene.xml",
+                "--integrators",
+                "path",
+                "-o",
+                "cv.png",
+                "--sheet",
+                "cv.png",
+            ],
+            "the diagram and the sheet cannot be one file",
+        ),
+    ] {
+        let text = refused(&place, arguments);
+        assert!(text.contains(part), "{arguments:?}: {text}");
+    }
+}
+
+#[test]
+fn what_a_file_cannot_hold_is_refused() {
+    let place = Place::with_scene();
+    for (output, options, part) in [
+        ("x.png", &["--aov", "albedo"][..], "--aov"),
+        ("x.hdr", &["--aov", "all"], "--aov"),
+        ("x.pfm", &["--aov", "all"], "--aov"),
+        ("x.png", &["--lpe", "a=C.*L"], "--lpe"),
+        ("x.jpg", &["--half"], "--half"),
+        ("x.png", &["--owner", "me"], "--owner"),
+        ("x.png", &["--no-png"], "--no-png"),
+        ("x.exr", &["--exposure", "3", "--no-png"], "--exposure"),
+        ("x.jpg", &["--live"], "--live"),
+    ] {
+        let arguments = [&["render", "scene.xml", "-o", output], options].concat();
+        let text = refused(&place, &arguments);
+        assert!(text.contains(part), "{arguments:?}: {text}");
+    }
+    // What the scene asks for is said, and the image is made.
+    let scene = super::SCENE.replace(
+        "<integrator type=\"path\">",
+        "<integrator type=\"aov\"><string name=\"aovs\" value=\"d:depth\"/><integrator type=\"path\">",
+    );
+    let scene = scene.replace("</integrator>", "</integrator></integrator>");
+    place.write("layers.xml", scene);
+    let output = place.run(&["render", "layers.xml", "-o", "x.png"]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+    assert!(text.contains("cannot hold the layers"), "{text}");
+}

@@ -148,7 +148,8 @@ impl PyScene {
                 integrator,
                 ..self.options.clone()
             };
-            let (settings, name) = integrator_settings(&state.current()?, &wanted)?;
+            let radius = state.built.scene.tables.info.radius;
+            let (settings, name) = integrator_settings(&state.current()?, &wanted, radius)?;
             if settings != state.built.scene.settings || name != state.built.scene.integrator {
                 // A copy only where a render under way holds the tables.
                 let scene = Arc::make_mut(&mut state.built.scene);

@@ -17,6 +17,7 @@ mod creases;
 mod error;
 mod materials;
 pub mod mtl;
+mod mtl_map;
 pub mod obj;
 mod obj_lines;
 mod part;

@@ -1,34 +1,44 @@
 //! Material libraries of OBJ files (MTL).
 //!
-//! Read are `newmtl`, `Kd`, `Ks`, `Ns`, `illum`, `d`, `Tr`, `map_Kd`, `map_Ks`, `map_d`, `map_bump` and `bump`; options of maps are skipped, and
-//! so is everything else. [`MtlMaterial::bsdf`] makes of a material what Mitsuba 0.6 makes of it:
+//! Read are `newmtl`, `Kd`, `Ks`, `Ns`, `Ni`, `illum`, `d`, `Tr`, `map_Kd`, `map_Ks`, `map_d`, `map_bump` and `bump`, with options of
+//! maps (`mtl_map`); ambient colours mean nothing here, and of everything else the reader is told ([`MtlMaterial::warnings`]).
+//! [`MtlMaterial::bsdf`] makes of a material what Mitsuba 0.6 makes of it:
 //!
 //! | `illum` | plugin |
 //! |---|---|
 //! | 2, with `Ks` and `Ns` above zero | `phong` |
-//! | 4, 6, 7, 9 | `dielectric` |
+//! | 4, 6, 7, 9 | `dielectric`, of the index `Ni` where that is above one |
 //! | 5, 8 | `conductor` of aluminium |
 //! | others | `diffuse` |
 //!
 //! around which a bump map and an opacity below one, or a map of it, put `bumpmap` and `mask`. Colours are linear.
 
+pub use super::mtl_map::Map;
 use super::obj_lines::Lines;
 use super::text::{number, plain};
+
+/// Largest index of refraction that is one.
+const MAX_INDEX: f32 = 5.0;
 
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMaterial {
     /// Its name.
     pub name: String,
+    /// Its first line.
+    pub line: u64,
+    /// What of it is not used as written: a line, and a sentence.
+    pub warnings: Vec<(u64, String)>,
     diffuse: [f32; 3],
     specular: [f32; 3],
     exponent: f32,
+    index: f32,
     opacity: f32,
     model: u32,
-    diffuse_map: Option<String>,
-    specular_map: Option<String>,
-    opacity_map: Option<String>,
-    bump_map: Option<String>,
+    diffuse_map: Option<Map>,
+    specular_map: Option<Map>,
+    opacity_map: Option<Map>,
+    bump_map: Option<Map>,
 }
 
 /// The materials of a library, in the order of the file.
@@ -36,27 +46,30 @@ pub fn read(bytes: &[u8]) -> Vec<MtlMaterial> {
     let bytes = plain(bytes);
     let mut lines = Lines::new(&bytes);
     let mut materials: Vec<MtlMaterial> = Vec::new();
-    while let Some((_, line)) = lines.next() {
+    while let Some((number, line)) = lines.next() {
         let line = line.trim_ascii();
         let end = line.iter().position(u8::is_ascii_whitespace);
         let (keyword, rest) = line.split_at(end.unwrap_or(line.len()));
         let rest = rest.trim_ascii();
         if keyword.eq_ignore_ascii_case(b"newmtl") {
-            materials.push(MtlMaterial::new(&String::from_utf8_lossy(rest)));
+            materials.push(MtlMaterial::new(&String::from_utf8_lossy(rest), number));
         } else if let Some(material) = materials.last_mut() {
-            material.set(&keyword.to_ascii_lowercase(), rest);
+            material.set(&String::from_utf8_lossy(keyword), rest, number);
         }
     }
     materials
 }
 
 impl MtlMaterial {
-    fn new(name: &str) -> MtlMaterial {
+    fn new(name: &str, line: u64) -> MtlMaterial {
         MtlMaterial {
             name: name.to_owned(),
+            line,
+            warnings: Vec::new(),
             diffuse: [0.0; 3],
             specular: [0.0; 3],
             exponent: 0.0,
+            index: 1.0,
             opacity: 1.0,
             model: 0,
             diffuse_map: None,
@@ -66,29 +79,73 @@ impl MtlMaterial {
         }
     }
 
-    fn set(&mut self, keyword: &[u8], rest: &[u8]) {
-        let first = || unit(rest).next();
-        match keyword {
-            b"kd" => self.diffuse = color(rest).unwrap_or(self.diffuse),
-            b"ks" => self.specular = color(rest).unwrap_or(self.specular),
-            b"ns" => self.exponent = first().unwrap_or(0.0),
-            b"d" => self.opacity = first().unwrap_or(1.0),
-            b"tr" => self.opacity = 1.0 - first().unwrap_or(0.0),
-            b"illum" => self.model = first().unwrap_or(0.0) as u32,
-            b"map_kd" => self.diffuse_map = file_of_map(rest),
-            b"map_ks" => self.specular_map = file_of_map(rest),
-            b"map_d" => self.opacity_map = file_of_map(rest),
-            b"map_bump" | b"bump" => self.bump_map = file_of_map(rest),
-            _ => {}
+    fn set(&mut self, keyword: &str, rest: &[u8], line: u64) {
+        let mut said = Vec::new();
+        match keyword.to_ascii_lowercase().as_str() {
+            "kd" => color(keyword, rest, &mut self.diffuse, &mut said),
+            "ks" => color(keyword, rest, &mut self.specular, &mut said),
+            "ns" => value(keyword, rest, &mut self.exponent, &mut said),
+            "ni" => value(keyword, rest, &mut self.index, &mut said),
+            "d" => {
+                let rest = match rest.strip_prefix(b"-halo") {
+                    Some(rest) => {
+                        said.push("the opacity (d -halo) is the same in all directions".into());
+                        rest.trim_ascii_start()
+                    }
+                    None => rest,
+                };
+                value(keyword, rest, &mut self.opacity, &mut said);
+            }
+            "tr" => {
+                let mut transparency = 1.0 - self.opacity;
+                value(keyword, rest, &mut transparency, &mut said);
+                self.opacity = 1.0 - transparency;
+            }
+            "illum" => {
+                let mut model = self.model as f32;
+                value(keyword, rest, &mut model, &mut said);
+                self.model = model as u32;
+                if !(0.0..=10.0).contains(&model) {
+                    said.push(format!("there is no model {model} (illum); it is diffuse"));
+                }
+            }
+            "map_kd" => self.diffuse_map = map(keyword, rest, line, &mut said),
+            "map_ks" => self.specular_map = map(keyword, rest, line, &mut said),
+            "map_d" => self.opacity_map = map(keyword, rest, line, &mut said),
+            "map_bump" | "bump" => self.bump_map = map(keyword, rest, line, &mut said),
+            // Light from nowhere, and how sharp a mirror of an image is.
+            "" | "ka" | "map_ka" | "sharpness" => {}
+            // Exporters write what changes nothing, too.
+            "ke" if numbers(rest).iter().all(|v| *v == 0.0) => {}
+            "tf" if numbers(rest).iter().all(|v| *v == 1.0) => {}
+            "ke" => said.push(
+                "its light (Ke) is left out: in a scene, shapes shine by an area emitter".into(),
+            ),
+            _ => said.push(format!(
+                "\"{}\" is not supported and is left out",
+                keyword.escape_debug()
+            )),
         }
+        self.warnings
+            .extend(said.into_iter().map(|what| (line, what)));
+    }
+
+    /// Its maps, which may be taken away.
+    pub fn maps(&mut self) -> [&mut Option<Map>; 4] {
+        [
+            &mut self.diffuse_map,
+            &mut self.specular_map,
+            &mut self.opacity_map,
+            &mut self.bump_map,
+        ]
     }
 
     /// The BSDF as XML of version 0.6, with its maps by name.
     pub fn bsdf(&self) -> String {
         let has_highlight = self.exponent > 0.0
             && (self.specular_map.is_some() || self.specular.iter().any(|v| *v > 0.0));
-        let value = |name: &str, color: [f32; 3], map: &Option<String>| match map {
-            Some(file) => texture(&format!(" name=\"{name}\""), file),
+        let value = |name: &str, color: [f32; 3], map: &Option<Map>| match map {
+            Some(map) => map.texture(name),
             None => {
                 let [r, g, b] = color.map(|v| v.clamp(0.0, 1.0));
                 format!("<rgb name=\"{name}\" value=\"{r} {g} {b}\"/>")
@@ -101,6 +158,10 @@ impl MtlMaterial {
                 value("specularReflectance", self.specular, &self.specular_map),
                 self.exponent
             ),
+            4 | 6 | 7 | 9 if self.index > 1.0 && self.index <= MAX_INDEX => format!(
+                "<bsdf type=\"dielectric\"><float name=\"intIOR\" value=\"{}\"/></bsdf>",
+                self.index
+            ),
             4 | 6 | 7 | 9 => "<bsdf type=\"dielectric\"/>".to_owned(),
             5 | 8 => "<bsdf type=\"conductor\"><string name=\"material\" value=\"Al\"/></bsdf>"
                 .to_owned(),
@@ -109,8 +170,13 @@ impl MtlMaterial {
                 value("reflectance", self.diffuse, &self.diffuse_map)
             ),
         };
-        if let Some(file) = &self.bump_map {
-            bsdf = format!("<bsdf type=\"bumpmap\">{}{bsdf}</bsdf>", texture("", file));
+        if let Some(map) = &self.bump_map {
+            let scale = match map.height {
+                1.0 => String::new(),
+                height => format!("<float name=\"scale\" value=\"{height}\"/>"),
+            };
+            let texture = map.texture("");
+            bsdf = format!("<bsdf type=\"bumpmap\">{scale}{texture}{bsdf}</bsdf>");
         }
         if self.opacity < 1.0 || self.opacity_map.is_some() {
             let opacity = self.opacity.clamp(0.0, 1.0);
@@ -121,59 +187,55 @@ impl MtlMaterial {
     }
 }
 
-/// The numbers of a line that are usable.
-fn unit(rest: &[u8]) -> impl Iterator<Item = f32> {
+/// The numbers that a line begins with.
+fn numbers(rest: &[u8]) -> Vec<f32> {
     let words = rest
         .split(u8::is_ascii_whitespace)
         .filter(|w| !w.is_empty());
-    words.map_while(number::<f32>).filter(|v| v.is_finite())
+    words
+        .map_while(number::<f32>)
+        .filter(|v| v.is_finite())
+        .collect()
+}
+
+/// A number of a line.
+fn value(keyword: &str, rest: &[u8], value: &mut f32, said: &mut Vec<String>) {
+    match numbers(rest).first() {
+        Some(number) => *value = *number,
+        None => said.push(format!("{keyword} is no number: \"{}\"", show(rest))),
+    }
 }
 
 /// A colour of three numbers, or of one for all channels.
-fn color(rest: &[u8]) -> Option<[f32; 3]> {
-    let numbers: Vec<f32> = unit(rest).take(3).collect();
-    match numbers[..] {
-        [r, g, b] => Some([r, g, b]),
-        [grey] => Some([grey; 3]),
-        _ => None,
-    }
-}
-
-/// The file of a map, behind its options.
-fn file_of_map(rest: &[u8]) -> Option<String> {
-    let text = String::from_utf8_lossy(rest);
-    let mut words = text.trim();
-    while let Some(option) = words.strip_prefix('-') {
-        let (name, after) = option.split_once(char::is_whitespace)?;
-        // Numbers follow these, up to three, and one word the others.
-        let is_vector = matches!(name, "o" | "s" | "t");
-        let most = match name {
-            _ if is_vector => 3,
-            "mm" => 2,
-            _ => 1,
-        };
-        words = after.trim_start();
-        for i in 0..most {
-            let Some((word, after)) = words.split_once(char::is_whitespace) else {
-                break;
-            };
-            if i > 0 && word.parse::<f32>().is_err() {
-                break;
-            }
-            words = after.trim_start();
+fn color(keyword: &str, rest: &[u8], color: &mut [f32; 3], said: &mut Vec<String>) {
+    *color = match numbers(rest)[..] {
+        [r, g, b, ..] => [r, g, b],
+        [grey] => [grey; 3],
+        _ => {
+            said.push(format!("{keyword} is no RGB colour: \"{}\"", show(rest)));
+            return;
         }
+    };
+    if color.iter().any(|v| !(0.0..=1.0).contains(v)) {
+        said.push(format!("{keyword} is clamped to [0, 1]"));
     }
-    // Programs on Windows write its separators.
-    (!words.is_empty()).then(|| words.replace('\\', "/"))
 }
 
-/// A bitmap as XML.
-fn texture(name: &str, file: &str) -> String {
-    let file = file
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;");
-    format!("<texture type=\"bitmap\"{name}><string name=\"filename\" value=\"{file}\"/></texture>")
+/// A map, with what is not understood of it.
+fn map(keyword: &str, rest: &[u8], line: u64, said: &mut Vec<String>) -> Option<Map> {
+    let (map, unknown) = Map::read(rest, line);
+    for option in unknown {
+        said.push(format!("the option {option} of {keyword} is left out"));
+    }
+    if map.is_none() {
+        said.push(format!("{keyword} names no file"));
+    }
+    map
+}
+
+/// Bytes for a message: printable and not too long.
+fn show(bytes: &[u8]) -> String {
+    bytes[..bytes.len().min(40)].escape_ascii().to_string()
 }
 
 #[cfg(test)]
@@ -181,25 +243,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn options_of_maps_are_skipped() {
-        let file = |text: &str| file_of_map(text.as_bytes()).unwrap_or_default();
-        assert_eq!(file("wood.png"), "wood.png");
-        assert_eq!(file("-s 2 2 1 -o 0.5 a b\\my wood.png"), "a b/my wood.png");
-        assert_eq!(file("-bm 0.3 -clamp on bump.png"), "bump.png");
-        assert_eq!(file("-s 2 wood.png"), "wood.png");
-        assert_eq!(file("-mm 0 1 wood.png"), "wood.png");
-        assert_eq!(file_of_map(b""), None);
-        assert_eq!(file_of_map(b"-clamp"), None);
-    }
-
-    #[test]
     fn materials_are_those_of_their_models() {
         let text = b"# comment\nKd 1 1 1\nnewmtl a b\nKd 0.1 0.2 0.3\nillum 2\nKs 0.5 0.5 0.5\nNs 20\n\
             newmtl glass\nillum 7\nnewmtl mirror\nillum 5\nd 0.25\nnewmtl flat\nKd 0.7\nKs 0 0 0\nNs 9\nillum 2\nmap_Kd a&b.png\n\
-            map_bump h.png\n";
+            map_bump -bm 3 h.png\nnewmtl water\nillum 4\nNi 1.33\n";
         let materials = read(text);
         let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
-        assert_eq!(names, ["a b", "glass", "mirror", "flat"]);
+        assert_eq!(names, ["a b", "glass", "mirror", "flat", "water"]);
+        let lines: Vec<u64> = materials.iter().map(|m| m.line).collect();
+        assert_eq!(lines, [3, 8, 10, 13, 20]);
+        assert!(materials.iter().all(|m| m.warnings.is_empty()));
         let xml: Vec<String> = materials.iter().map(MtlMaterial::bsdf).collect();
         assert!(
             xml[0].contains("phong")
@@ -212,7 +265,37 @@ mod tests {
                 && xml[2].contains("\"0.25 0.25 0.25\"")
                 && xml[2].contains("Al")
         );
-        assert!(xml[3].starts_with("<bsdf type=\"bumpmap\">") && xml[3].contains("a&amp;b.png"));
-        assert!(xml[3].contains("diffuse"));
+        assert!(xml[3].starts_with("<bsdf type=\"bumpmap\"><float name=\"scale\" value=\"3\"/>"));
+        assert!(xml[3].contains("a&amp;b.png") && xml[3].contains("diffuse"));
+        assert!(xml[4].contains("intIOR\" value=\"1.33\""));
+    }
+
+    #[test]
+    fn what_is_not_read_is_said() {
+        // What changes nothing is not worth a word.
+        let silent = "newmtl a\nKa 1 1 1\nKe 0 0 0\nTf 1 1 1\nNi 1.5\nmap_Kd -blendu on a.png\n\n";
+        assert!(read(silent.as_bytes())[0].warnings.is_empty());
+        for (line, words) in [
+            ("Ke 1 0 0", "light (Ke)"),
+            ("map_Ke a.png", "\"map_Ke\""),
+            ("disp a.png", "\"disp\""),
+            ("norm a.png", "\"norm\""),
+            ("Tf 1 0 0", "\"Tf\""),
+            ("Pr 0.5", "\"Pr\""),
+            ("blub", "\"blub\""),
+            ("Kd xyz 0.3 0.3 0.3", "no RGB colour: \"xyz"),
+            ("Kd 0,8 0,1 0,1", "no RGB colour: \"0,8"),
+            ("Kd 2 0 0", "clamped"),
+            ("d -halo 0.5", "halo"),
+            ("d half", "no number"),
+            ("illum 12", "no model 12"),
+            ("map_Kd -mm 0.5 1 a.png", "-mm 0.5 1"),
+            ("map_Kd", "names no file"),
+        ] {
+            let materials = read(format!("newmtl a\n{line}\n").as_bytes());
+            let said = &materials[0].warnings;
+            assert_eq!(said.len(), 1, "{line}: {said:?}");
+            assert!(said[0].0 == 2 && said[0].1.contains(words), "{said:?}");
+        }
     }
 }

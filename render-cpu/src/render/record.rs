@@ -89,7 +89,10 @@ fn integrator_words(scene: &Scene) -> Vec<(&'static str, String)> {
         ]),
         integrator_kind::AMBIENT_OCCLUSION => words.extend([
             ("shading_samples", settings.occlusion.samples.to_string()),
-            ("ray_length", settings.occlusion.distance.to_string()),
+            (
+                "ray_length",
+                (settings.occlusion.distance * scene.tables.info.radius).to_string(),
+            ),
         ]),
         integrator_kind::BIDIRECTIONAL | integrator_kind::LIGHT_TRACING => {
             let own = &settings.bidirectional;

@@ -93,3 +93,34 @@ fn what_they_would_do_is_said() {
     let empty = Files::new(&[]).error("3.0.0", r#"<integrator type="aov"/>"#);
     assert!(empty.contains("needs a nested integrator"), "{empty}");
 }
+
+#[test]
+fn the_length_of_rays_of_occlusion_is_one_of_the_world() {
+    // A wide ceiling at the height h behind the camera: rays of length l beyond the angle of cosine h / l pass below it, and their
+    // share of the cosine-weighted hemisphere is (h / l)^2. There is no light, and none is missed.
+    let scene = |integrator: &str, size: u32| {
+        let content = format!(
+            r#"<scene version="0.6.0">{}<integrator type="ao"><integer name="shadingSamples" value="16"/>{integrator}</integrator>
+            <shape type="rectangle"/><shape type="rectangle"><transform name="toWorld"><scale x="{size}" y="{size}"/>
+            <translate z="5"/></transform></shape></scene>"#,
+            crate::SENSOR
+        );
+        Files::new(&[]).load(content.as_bytes(), true).unwrap()
+    };
+    for (length, size) in [(10.0, 100), (10.0, 1000), (7.0, 100)] {
+        let scene = scene(
+            &format!(r#"<float name="rayLength" value="{length}"/>"#),
+            size,
+        );
+        let expected = (5.0_f64 / length).powi(2);
+        crate::assert_mean(&scene, 64, expected, 0.01);
+    }
+    // Shorter than the way to it, and by default half of the radius, which is far.
+    crate::assert_mean(
+        &scene(r#"<float name="rayLength" value="4"/>"#, 100),
+        4,
+        1.0,
+        1e-6,
+    );
+    crate::assert_mean(&scene("", 100), 16, 0.005, 0.005);
+}

@@ -5,9 +5,11 @@
 //! asked for, its value is known in closed form.
 
 mod files;
+mod films;
 mod images;
 mod integrators;
 mod masks;
+mod materials;
 mod mesh_files;
 mod meshes;
 mod scalars;

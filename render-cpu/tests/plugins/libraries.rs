@@ -11,12 +11,23 @@ const MTL: &str = "newmtl red\nKd 0.8 0.1 0.1\nillum 1\nnewmtl shiny\nKd 0.2 0.2
     map_Kd -s 1 1 1 picture.exr\nd 0.5\nnewmtl mirror\nillum 5\n";
 
 fn build(shape: &str, obj: &str, version: &str) -> Result<Scene, String> {
+    build_with(shape, obj, version, MTL, true)
+}
+
+/// The shape with a library.
+fn build_with(
+    shape: &str,
+    obj: &str,
+    version: &str,
+    mtl: &str,
+    strict: bool,
+) -> Result<Scene, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| {
         std::fs::write(folder.path().join(name), text).expect("a writable folder");
     };
     write("shape.obj", obj);
-    write("my materials.mtl", MTL);
+    write("my materials.mtl", mtl);
     exr::prelude::write_rgb_file(folder.path().join("picture.exr"), 2, 2, |_, _| {
         (0.3, 0.4, 0.5)
     })
@@ -29,7 +40,7 @@ fn build(shape: &str, obj: &str, version: &str) -> Result<Scene, String> {
         ),
     );
     let parsed =
-        parse_scene(&folder.path().join("scene.xml"), &[], true).map_err(|e| e.to_string())?;
+        parse_scene(&folder.path().join("scene.xml"), &[], strict).map_err(|e| e.to_string())?;
     build_scene(&parsed, &BuildOptions::default()).map_err(|e| e.to_string())
 }
 
@@ -82,4 +93,75 @@ fn what_a_library_lacks_is_said() {
     let unknown = OBJ.replace("usemtl mirror", "usemtl other");
     let error = build("", &unknown, "0.6.0").expect_err("an unknown material");
     assert!(error.contains("\"other\" (usemtl)"), "{error}");
+}
+
+/// What is said about the shape with a library of red, shiny and mirror, each with lines of its own.
+#[track_caller]
+fn said_of(mtl: &str) -> (Scene, Vec<String>) {
+    let scene = build_with("", OBJ, "0.6.0", mtl, false).expect("a scene");
+    let said = scene.warnings.iter().map(ToString::to_string).collect();
+    (scene, said)
+}
+
+#[test]
+fn a_library_without_a_material_of_the_faces_is_said() {
+    let (scene, said) = said_of("newmtl other\nKd 1 0 0\n");
+    assert_eq!(said.len(), 3, "{said:?}");
+    for (message, name) in said.iter().zip(["red", "shiny", "mirror"]) {
+        assert!(
+            message.contains(&format!("\"{name}\" (usemtl)")),
+            "{said:?}"
+        );
+    }
+    assert!(kinds(&scene).iter().all(|k| *k == [lobe_kind::DIFFUSE]));
+}
+
+#[test]
+fn what_a_library_has_beyond_mitsuba_is_said_with_its_line() {
+    let (_, said) = said_of(&MTL.replace("illum 1\n", "illum 1\nKe 1 1 1\n"));
+    assert_eq!(said.len(), 1, "{said:?}");
+    let words = "my materials.mtl:4: the material \"red\": its light (Ke)";
+    assert!(said[0].contains(words), "{said:?}");
+    // Of materials that no face has, nothing is.
+    let (_, said) = said_of(&format!("{MTL}newmtl spare\nKe 1 1 1\nblub\n"));
+    assert!(said.is_empty(), "{said:?}");
+}
+
+#[test]
+fn a_missing_map_leaves_the_colour() {
+    let missing = MTL.replace("picture.exr", "gone/picture2.exr");
+    let (scene, said) = said_of(&missing);
+    assert_eq!(said.len(), 1, "{said:?}");
+    let words = "my materials.mtl:9: the material \"shiny\": there is no map \"gone/picture2.exr\"";
+    assert!(said[0].contains(words), "{said:?}");
+    assert_eq!(scene.tables.textures.len(), 0);
+    build_with("", OBJ, "0.6.0", &missing, true).expect_err("strictly an error");
+    // Paths of another machine.
+    for path in ["C:\\Users\\me\\picture.exr", "/home/me/picture.exr"] {
+        let (scene, said) = said_of(&MTL.replace("picture.exr", path));
+        assert!(said.is_empty(), "{said:?}");
+        assert_eq!(scene.tables.textures.len(), 1);
+    }
+    // One that cannot be read is named at its material.
+    let error = build_with(
+        "",
+        OBJ,
+        "0.6.0",
+        &MTL.replace("picture.exr", "shape.obj"),
+        false,
+    );
+    let error = error.expect_err("no image");
+    assert!(error.contains("my materials.mtl:4"), "{error}");
+}
+
+#[test]
+fn maps_are_scaled_and_moved() {
+    let options = MTL.replace("-s 1 1 1 picture", "-s 2 4 1 -o 0.5 0.25 -clamp on picture");
+    let (scene, said) = said_of(&options);
+    assert!(said.is_empty(), "{said:?}");
+    // v is turned over with the image: 1 - (4 (1 - v) + 0.25).
+    assert_eq!(
+        scene.tables.textures[0].to_uv,
+        [2.0, 0.0, 0.5, 0.0, 4.0, -3.25]
+    );
 }

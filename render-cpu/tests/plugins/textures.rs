@@ -121,3 +121,27 @@ fn scales_multiply_what_they_hold() {
         assert!((pixel[0] - 0.4).abs() < 1e-5, "{pixel:?}");
     }
 }
+
+#[test]
+fn attributes_of_meshes_have_a_scale() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float r\nproperty float g\nproperty float b\nelement face 1\nproperty list uchar int vertex_indices\nproperty float r\nproperty float g\nproperty float b\nend_header\n-9 -9 0 0.2 0.2 0.2\n9 -9 0 0.2 0.2 0.2\n0 9 0 0.2 0.2 0.2\n3 0 1 2 0.3 0.3 0.3\n";
+    let path = folder.path().join("c.ply");
+    std::fs::write(&path, ply).expect("a file");
+    for (name, scale, expected) in [
+        ("vertex_color", "", 0.2),
+        ("vertex_color", r#"<float name="scale" value="3"/>"#, 0.6),
+        ("face_color", "", 0.3),
+        ("face_color", r#"<float name="scale" value="0.5"/>"#, 0.15),
+    ] {
+        let content = format!(
+            r#"<shape type="ply"><string name="filename" value="{}"/><bsdf type="diffuse"><texture type="mesh_attribute" name="reflectance"><string name="name" value="{name}"/>{scale}</texture></bsdf></shape>"#,
+            path.display()
+        );
+        let value = pixels(&build("3.0.0", &content), 1)[100][0];
+        assert!(
+            (value - expected).abs() < 1e-5,
+            "{name}: {value}, not {expected}"
+        );
+    }
+}

@@ -1,6 +1,8 @@
 //! Films and reconstruction filters.
 
+use super::film_format;
 use super::options::{Crop, FilmOverride};
+use crate::film::aov::AovSet;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
 use halflight_kernel::scene::filter_kind;
@@ -18,6 +20,8 @@ pub(super) struct Film {
     pub crop: Crop,
     /// Kind of the reconstruction filter, one of [`filter_kind`], and its parameters.
     pub filter: (u32, [f32; 3]),
+    /// Layers that it asks for.
+    pub layers: AovSet,
 }
 
 impl Film {
@@ -27,6 +31,7 @@ impl Film {
         let mut size = [768, 576];
         let mut crop = None;
         let mut filter = gaussian(0.5);
+        let mut layers = AovSet::NONE;
         if let Some(object) = object {
             object.touch();
             let side = |name, default| object.get_int_in(name, default, 1, MAX_SIDE);
@@ -67,23 +72,7 @@ impl Film {
                     object.plugin
                 ))?;
             }
-            // Always written as 32-bit OpenEXR beside a PNG, whatever the file asks for.
-            for name in [
-                "pixel_format",
-                "component_format",
-                "file_format",
-                "banner",
-                "attach_log",
-                "gamma",
-                "exposure",
-                "tonemap_method",
-                "sample_border",
-                "compensate",
-                "high_quality_edges",
-                "metadata",
-            ] {
-                object.get(name);
-            }
+            layers = film_format::layers(object)?;
             if let Some(rfilter) = object.single_child_of(ObjectKind::RFilter)? {
                 filter = read_filter(rfilter)?;
             }
@@ -123,6 +112,7 @@ impl Film {
             framed_size: if change.size.is_some() { size } else { before },
             crop,
             filter,
+            layers,
         })
     }
 }

@@ -24,12 +24,26 @@ const MAX_PHOTONS: i64 = 1 << 28;
 
 /// The integrator that will run.
 pub(super) struct Integrator {
-    /// Its parameters.
+    /// Its parameters, but for what depends on the size of the scene: see [`Integrator::settings_in`].
     pub settings: IntegratorSettings,
+    /// Length of the rays of ambient occlusion, if it is given.
+    ray_length: Option<f32>,
     /// Its name.
     pub name: String,
     /// Additional layers of the image.
     pub layers: AovSet,
+}
+
+impl Integrator {
+    /// The parameters in a scene of a radius.
+    pub(super) fn settings_in(&self, radius: f32) -> IntegratorSettings {
+        let mut settings = self.settings;
+        if let Some(length) = self.ray_length {
+            // The kernel has it as a share of the radius, which is not known while the integrator is read.
+            settings.occlusion.distance = length / radius;
+        }
+        settings
+    }
 }
 
 /// The algorithm that will run.
@@ -41,6 +55,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         None => None,
     };
     let mut settings = IntegratorSettings::PATH;
+    let mut ray_length = None;
     let mut name = match (object, &options.integrator) {
         (_, Some(name)) => name.clone(),
         (Some(object), None) => object.plugin.clone(),
@@ -65,11 +80,9 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         read_photon_settings(object, &mut settings.photon)?;
         read_chains(object, &mut settings.chains)?;
         regularization::read(object, &mut settings.regularization)?;
-        // Mitsuba 0.6: -1 takes half of the scene's size.
+        // Mitsuba 0.6: -1 takes half of the scene's radius.
         let length = object.get_float("ray_length", -1.0)?;
-        if length > 0.0 {
-            settings.occlusion.distance = length as f32;
-        }
+        ray_length = (length > 0.0).then_some(length as f32);
     }
     settings.kind = match integrators::find(&name) {
         Some(integrator) => integrator.kind,
@@ -118,6 +131,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
     }
     Ok(Integrator {
         settings,
+        ray_length,
         name,
         layers,
     })

@@ -9,6 +9,7 @@ mod chain_settings;
 mod daylight;
 mod emitter;
 mod film;
+mod film_format;
 mod integrator;
 mod material;
 mod options;
@@ -96,18 +97,19 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     builder.add_emitters(root)?;
     builder.check_sensor(root)?;
     builder.check_algorithm(root, &integrator)?;
-    builder.finish(root)?;
+    builder.finish(root, integrator.settings.kind)?;
     if let Some((what, most)) = builder.tables.view().oversized() {
         return Err(root.error(format!("the scene has more than {most} {what}")));
     }
     warn_unused(root)?;
+    let settings = integrator.settings_in(builder.tables.info.radius);
     Ok(Scene {
         tables: builder.tables,
         names: builder.names,
         parts: PathParts::default(),
-        settings: integrator.settings,
+        settings,
         integrator: integrator.name,
-        layers: integrator.layers,
+        layers: integrator.layers.union(sensor.layers),
         sampler: sensor.sampler,
         sampler_name: sensor.sampler_name,
         spp: sensor.spp,
@@ -117,16 +119,17 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     })
 }
 
-/// Settings and name of the integrator that a scene would be built with.
+/// Settings and name of the integrator that a scene of a radius would be built with.
 ///
 /// # Errors
 /// When it has a parameter of a wrong form, or `options` name one that is not known.
 pub fn integrator_settings(
     parsed: &ParsedScene,
     options: &BuildOptions,
+    radius: f32,
 ) -> Result<(IntegratorSettings, String), SceneError> {
     let integrator = integrator::build(&parsed.root, options)?;
-    Ok((integrator.settings, integrator.name))
+    Ok((integrator.settings_in(radius), integrator.name))
 }
 
 /// Plugins below `root` in alphabetical order; an object that is referred to several times counts once.

@@ -8,6 +8,7 @@ use crate::scene::xml::{Object, ObjectKind};
 use glam::Vec3;
 use halflight_kernel::math::affine::transform_point;
 use halflight_kernel::scene::{emitter, emitter_kind, quadric_kind};
+use halflight_kernel::transport::integrator_kind;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 /// The corners of a box without a point.
@@ -15,7 +16,7 @@ const NOTHING: (Vec3, Vec3) = (Vec3::splat(f32::MAX), Vec3::splat(-f32::MAX));
 
 impl Builder {
     /// Fills in what depends on the scene as a whole.
-    pub(super) fn finish(&mut self, root: &Object) -> Result<(), SceneError> {
+    pub(super) fn finish(&mut self, root: &Object, integrator: u32) -> Result<(), SceneError> {
         // Definitions at the top are there to be referred to; one that nothing uses is no mistake.
         for kind in [
             ObjectKind::Bsdf,
@@ -32,7 +33,8 @@ impl Builder {
         }
         self.bound();
         self.select_emitters();
-        if self.tables.emitters.is_empty() {
+        let needs_light = integrator != integrator_kind::AMBIENT_OCCLUSION;
+        if self.tables.emitters.is_empty() && needs_light {
             root.warn("the scene has no emitter; the image will be black")?;
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use super::film::Film;
 use super::options::BuildOptions;
+use crate::film::aov::AovSet;
 use crate::scene::error::SceneError;
 use crate::scene::tables::SceneTables;
 use crate::scene::transform;
@@ -19,6 +20,8 @@ pub(super) struct Sensor {
     pub sampler_name: String,
     pub spp: u32,
     pub seed: u32,
+    /// Layers that the film asks for.
+    pub layers: AovSet,
     /// The object of an irradiance meter, by its index: its shape is not built yet.
     pub meter: Option<usize>,
 }
@@ -169,6 +172,7 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
         sampler_name,
         spp,
         seed,
+        layers: film.layers,
         meter: is_irradiance.then_some(sensor.index),
     })
 }

@@ -160,7 +160,7 @@ impl Builder {
                     _ => object.require_string("name")?,
                 };
                 let scale = object.get_float("scale", 1.0)? as f32;
-                texture.color0 = RgbParameter::constant([scale; 3]);
+                texture.color0 = RgbParameter::constant([1.0; 3]);
                 texture.to_uv = IDENTITY_UV;
                 shared = false;
                 let found = mesh.and_then(|mesh| {
@@ -191,6 +191,16 @@ impl Builder {
                     Some((kind, word, channels, first)) => {
                         texture.kind = kind;
                         texture.data = [word, channels, first, 0, 0, 0];
+                        if scale != 1.0 {
+                            let attribute = self.tables.textures.len() as u32;
+                            self.tables.textures.push(texture);
+                            texture.kind = texture_kind::SCALE;
+                            texture.data = [0; 6];
+                            texture.color0 = RgbParameter {
+                                value: [scale; 3],
+                                texture: attribute,
+                            };
+                        }
                     }
                     None => {
                         object.warn(format!(

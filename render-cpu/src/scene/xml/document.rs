@@ -22,8 +22,10 @@ pub enum RawValue {
 
 /// A property before references are resolved.
 pub struct RawProperty {
-    /// In snake case, or empty.
+    /// In snake case, or empty; see [`Document::add`].
     pub name: String,
+    /// As the file has it.
+    pub written: String,
     /// The value.
     pub value: RawValue,
     /// Where.
@@ -62,7 +64,8 @@ pub struct Document {
 }
 
 impl Document {
-    /// Adds a property to an object, under the name of today.
+    /// Adds a property to an object, under the name of today. What a shape calls an object within it is kept as it is: that may
+    /// be the name of a material of its file.
     pub fn add(
         &mut self,
         parent: usize,
@@ -75,9 +78,19 @@ impl Document {
             return Err(element.error("the name is empty"));
         }
         let object = &mut self.objects[parent];
-        let name = upgrade::property_name(object.kind, &object.plugin, upgrade::snake_case(name));
+        let written = name.to_owned();
+        let is_part_of_shape =
+            object.kind == ObjectKind::Shape && !matches!(value, RawValue::Value(_));
+        let name = match is_part_of_shape {
+            true => written.clone(),
+            false => {
+                let name = upgrade::snake_case(name);
+                upgrade::property_name(object.kind, &object.plugin, name)
+            }
+        };
         object.properties.push(RawProperty {
             name,
+            written,
             value,
             location: element.location().clone(),
             tag,

@@ -141,7 +141,7 @@ impl Copy<'_> {
                 (None, other) => other.clone(),
             };
             let copy = Property::new(
-                property.name.clone(),
+                (property.name.clone(), property.written.clone()),
                 value,
                 property.location.clone(),
                 property.tag,

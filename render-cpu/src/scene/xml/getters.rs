@@ -45,7 +45,7 @@ impl Object {
         let message = format!(
             "{} needs {wanted} for \"{}\", found {}",
             self.element(),
-            property.name,
+            property.written,
             property.value.describe()
         );
         SceneError::element(&property.location, property.element(), message)

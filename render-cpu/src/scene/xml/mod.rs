@@ -26,7 +26,7 @@ pub mod unused;
 mod upgrade;
 mod value;
 
-pub(crate) use source::{decode, read_text};
+pub(crate) use source::{decode, find, read_text};
 
 pub use edit::NamedValue;
 pub use getters::{ColorSource, FloatSource};
@@ -112,6 +112,8 @@ pub(crate) fn parse_definitions(
     of: &Object,
 ) -> Result<Arc<Object>, SceneError> {
     let mut parameters = parameters::Parameters::new(&[])?;
+    // A dollar sign in a file's name is one.
+    parameters.set_default("", "$");
     let origin = loader::Origin::Text(text, name);
     let document = loader::load(origin, &mut parameters, &of.diagnostics)?;
     resolve::resolve_from(document, first_index, &of.diagnostics, &of.kept_files)

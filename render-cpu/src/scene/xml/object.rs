@@ -77,7 +77,7 @@ impl ObjectKind {
             ObjectKind::Phase => "phase",
             ObjectKind::Volume => "volume",
             ObjectKind::Spectrum => "spectrum",
-            ObjectKind::Other => "object",
+            ObjectKind::Other => "subsurface",
         }
     }
 }
@@ -144,6 +144,8 @@ impl Value {
 pub struct Property {
     /// The name in snake case, or empty for a nested object without one.
     pub name: String,
+    /// The name as the file has it.
+    pub written: String,
     /// The value.
     pub value: Value,
     /// Where its element starts.
@@ -155,13 +157,14 @@ pub struct Property {
 
 impl Property {
     pub(super) fn new(
-        name: String,
+        (name, written): (String, String),
         value: Value,
         location: Location,
         tag: &'static str,
     ) -> Property {
         Property {
             name,
+            written,
             value,
             location,
             tag,
@@ -181,7 +184,7 @@ impl Property {
         if self.name.is_empty() {
             format!("<{}>", self.tag)
         } else {
-            format!("<{} name=\"{}\">", self.tag, self.name)
+            format!("<{} name=\"{}\">", self.tag, self.written)
         }
     }
 }
@@ -289,6 +292,18 @@ impl Object {
     pub fn warn(&self, message: impl Into<String>) -> Result<(), SceneError> {
         self.diagnostics
             .warn(&self.location, self.element(), message)
+    }
+    /// Adds a warning at a place in another file that the object is made from.
+    ///
+    /// # Errors
+    /// The warning itself, when the scene is read strictly.
+    pub fn warn_at(
+        &self,
+        place: &Location,
+        element: String,
+        message: impl Into<String>,
+    ) -> Result<(), SceneError> {
+        self.diagnostics.warn(place, element, message)
     }
     /// An error at one of its properties, or at the object when there is none of that name.
     pub fn property_error(&self, name: &str, message: impl Into<String>) -> SceneError {

@@ -73,7 +73,7 @@ impl Resolver<'_> {
                 let element = match &property.value {
                     RawValue::Reference(id) => format!("<ref id=\"{id}\">"),
                     _ if property.name.is_empty() => format!("<{}>", property.tag),
-                    _ => format!("<{} name=\"{}\">", property.tag, property.name),
+                    _ => format!("<{} name=\"{}\">", property.tag, property.written),
                 };
                 SceneError::element(&property.location, element, message)
             };
@@ -99,7 +99,8 @@ impl Resolver<'_> {
                     RawValue::Nested(_) | RawValue::Reference(_) => continue,
                 },
             };
-            let property = Property::new(property.name, value, property.location, property.tag);
+            let names = (property.name, property.written);
+            let property = Property::new(names, value, property.location, property.tag);
             let (location, quoted) = (property.location.clone(), property.element());
             if let Err(first) = properties.insert(property, raw.is_legacy) {
                 if raw.is_legacy {

@@ -2,10 +2,9 @@
 
 use crate::bytes::read_file;
 use crate::mesh::mtl::{self, MtlMaterial};
-use crate::scene::error::SceneError;
-use crate::scene::xml::{Object, ObjectKind, parse_definitions};
-use std::fmt::Write;
-use std::path::PathBuf;
+use crate::scene::error::{Location, SceneError};
+use crate::scene::xml::{Object, ObjectKind, find, parse_definitions};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The longest library.
@@ -27,7 +26,7 @@ pub(super) fn bsdfs(
     let mesh = object.require_file("filename")?;
     let folder = mesh.parent().map(PathBuf::from).unwrap_or_default();
     for path in files(object, libraries, &folder)? {
-        let materials = match read_file(&path, MAX_BYTES) {
+        let mut materials = match read_file(&path, MAX_BYTES) {
             Ok(bytes) => mtl::read(&bytes),
             Err(error) => {
                 object.property_warn(
@@ -41,32 +40,86 @@ pub(super) fn bsdfs(
                 continue;
             }
         };
-        let wanted: Vec<(usize, &MtlMaterial)> = materials
-            .iter()
+        let wanted: Vec<(usize, &mut MtlMaterial)> = materials
+            .iter_mut()
             .filter_map(|m| Some((names.iter().position(|name| *name == m.name)?, m)))
             .filter(|(place, _)| found[*place].is_none())
             .collect();
         let mut text = String::from("<scene version=\"0.6.0\">");
-        for (_, material) in &wanted {
-            // Writing to a string does not fail.
-            let _ = write!(text, "{}", material.bsdf());
+        let mut line = 1;
+        let mut places = Vec::new();
+        for (place, material) in wanted {
+            find_maps(object, &path, &folder, material);
+            say_what_is_lost(object, &path, material)?;
+            // Each on its own line of the library, so that messages name that.
+            while line < material.line {
+                text.push('\n');
+                line += 1;
+            }
+            text.push_str(&material.bsdf());
+            places.push(place);
         }
         text.push_str("</scene>");
         let root = parse_definitions(&text, &path, FIRST_INDEX + *count * INDICES, object)?;
         *count += 1;
-        for ((place, _), child) in wanted.iter().zip(root.children_of(ObjectKind::Bsdf)) {
+        for (place, child) in places.iter().zip(root.children_of(ObjectKind::Bsdf)) {
             found[*place] = Some(child.object.clone());
         }
     }
     Ok(found)
 }
 
-/// Where the libraries are: a line names one file, blanks and all, or several.
-fn files(
+/// Replaces the names of a material's maps by the files that there are, beside the library or the mesh or where the scene's files
+/// are sought; paths of other machines by their last part. A map that is nowhere is taken away, and this is said.
+fn find_maps(object: &Object, library: &Path, folder: &Path, material: &mut MtlMaterial) {
+    let beside = library.parent().unwrap_or(folder).to_path_buf();
+    let mut folders = vec![beside, folder.to_path_buf()];
+    folders.extend_from_slice(object.search_paths());
+    let mut missing = Vec::new();
+    for slot in material.maps() {
+        let Some(map) = slot else {
+            continue;
+        };
+        let bare = map.file.rsplit('/').next().unwrap_or_default();
+        let is_file = |path: &PathBuf| path.is_file();
+        let found = find(&folders, &map.file).filter(is_file);
+        match found.or_else(|| find(&folders, bare).filter(is_file)) {
+            Some(path) => {
+                // The library is read like a scene file in its own folder.
+                let path = path.canonicalize().unwrap_or(path);
+                map.file = path.to_string_lossy().into_owned();
+            }
+            None => {
+                missing.push((
+                    map.line,
+                    format!("there is no map \"{}\"; it is left out", map.file),
+                ));
+                *slot = None;
+            }
+        }
+    }
+    material.warnings.extend(missing);
+}
+
+/// Says what of a material is not used as written.
+fn say_what_is_lost(
     object: &Object,
-    libraries: &[String],
-    folder: &std::path::Path,
-) -> Result<Vec<PathBuf>, SceneError> {
+    library: &Path,
+    material: &MtlMaterial,
+) -> Result<(), SceneError> {
+    for (line, what) in &material.warnings {
+        let place = Location {
+            file: library.into(),
+            line: u32::try_from(*line).unwrap_or(0),
+            column: 0,
+        };
+        object.warn_at(&place, format!("the material \"{}\"", material.name), what)?;
+    }
+    Ok(())
+}
+
+/// Where the libraries are: a line names one file, blanks and all, or several.
+fn files(object: &Object, libraries: &[String], folder: &Path) -> Result<Vec<PathBuf>, SceneError> {
     let mut files = Vec::new();
     for line in libraries {
         let whole = folder.join(line);

@@ -50,8 +50,20 @@ pub(super) fn parts(
         } = &mesh.materials;
         of_library = library::bsdfs(object, libraries, names, libraries_read)?;
     }
-    let is_whole = is_whole && of_library.iter().all(Option::is_none);
-    if is_whole {
+    if is_whole && !(loads_materials && children.is_empty()) {
+        if let [child] = &children[..]
+            && object.is_legacy
+            && object.plugin == "obj"
+            && !is_general(child.name())
+        {
+            object.property_warn(
+                child.name(),
+                format!(
+                    "no face of the file has this material (usemtl){}; the BSDF is for the whole shape",
+                    there_are(&mesh.materials.names)
+                ),
+            )?;
+        }
         return Ok(vec![(mesh, only(object)?)]);
     }
     let mut of_rest = None;
@@ -62,12 +74,11 @@ pub(super) fn parts(
         } else if let Some(material) = material_of(child.name()) {
             &mut of_material[material]
         } else {
-            let known: Vec<&str> = mesh.materials.names.iter().map(String::as_str).collect();
             object.property_warn(
                 child.name(),
                 format!(
-                    "no face of the file has this material (usemtl), and the BSDF is left out; there are: {}",
-                    known.iter().filter(|name| !name.is_empty()).copied().collect::<Vec<_>>().join(", ")
+                    "no face of the file has this material (usemtl), and the BSDF is left out{}",
+                    there_are(&mesh.materials.names)
                 ),
             )?;
             continue;
@@ -90,14 +101,27 @@ pub(super) fn parts(
         let bsdf = bsdf.or_else(|| of_rest.clone());
         let bsdf = bsdf.or_else(|| of_library.get(index).cloned().flatten());
         if bsdf.is_none() {
+            let faces = match mesh.materials.names.get(index).map_or("", String::as_str) {
+                "" => "without a material".to_owned(),
+                name => format!("of the material \"{name}\""),
+            };
             object.warn(format!(
-                "there is no BSDF for the faces of the material \"{}\" (usemtl); they get a diffuse reflectance of 0.5",
-                mesh.materials.names.get(index).map_or("", String::as_str)
+                "there is no BSDF for the faces {faces} (usemtl); they get a diffuse reflectance of 0.5"
             ))?;
         }
         parts.push((part, bsdf));
     }
     Ok(parts)
+}
+
+/// The materials of a file, for a message.
+fn there_are(names: &[String]) -> String {
+    let known: Vec<&str> = names.iter().map(String::as_str).collect();
+    let known = known.join(", ");
+    match known.trim_start_matches(", ") {
+        "" => String::new(),
+        known => format!("; there are: {known}"),
+    }
 }
 
 /// Whether the surface is only the boundary of a medium: before version 2, that of a shape with a medium and without a BSDF.

@@ -1,0 +1,72 @@
+//! Materials of OBJ files: their names are those of the file, to the letter.
+
+use crate::Files;
+use crate::meshes::{BOTTOM, CUBE, TOP, shape};
+
+fn color(attributes: &str, rgb: &str) -> String {
+    format!(r#"<bsdf {attributes} type="diffuse"><rgb name="reflectance" value="{rgb}"/></bsdf>"#)
+}
+
+#[test]
+fn names_of_materials_keep_their_capitals() {
+    let (red, blue) = ("0.7 0 0", "0 0 0.7");
+    let small = format!("{CUBE}usemtl red\n{BOTTOM}usemtl blue\n{TOP}");
+    for [first, second] in [
+        ["MatRed", "MatBlue"],
+        ["MatRed", "mat_red"],
+        ["Material.001", "aB"],
+        ["intIOR", "toWorld"],
+    ] {
+        let obj = format!("{CUBE}usemtl {first}\n{BOTTOM}usemtl {second}\n{TOP}");
+        let files = Files::new(&[
+            ("small.obj", small.as_bytes()),
+            ("large.obj", obj.as_bytes()),
+        ]);
+        let expected = files.clean(
+            "0.6.0",
+            &shape(
+                "obj",
+                "small.obj",
+                &(color("name=\"red\"", red) + &color("name=\"blue\"", blue)),
+            ),
+        );
+        let name = |name: &str| format!("name=\"{name}\"");
+        let nested = color(&name(first), red) + &color(&name(second), blue);
+        let defined = color("id=\"r\"", red) + &color("id=\"b\"", blue);
+        let referred = format!(r#"<ref name="{first}" id="r"/><ref name="{second}" id="b"/>"#);
+        for content in [
+            shape("obj", "large.obj", &nested),
+            defined + &shape("obj", "large.obj", &referred),
+            // One without a name is for all others.
+            shape(
+                "obj",
+                "large.obj",
+                &(color(&name(first), red) + &color("", blue)),
+            ),
+        ] {
+            assert_eq!(files.clean("0.6.0", &content), expected, "{content}");
+        }
+        // Another spelling is another material.
+        let content = shape("obj", "large.obj", &color(&name("MATRED"), red));
+        let whole = files.warned("0.6.0", &content, "no face of the file has this material");
+        let all = files.clean("0.6.0", &shape("obj", "small.obj", &color("", red)));
+        assert_eq!(whole, all);
+    }
+}
+
+#[test]
+fn messages_quote_names_as_the_file_has_them() {
+    let files = Files::new(&[]);
+    let flat =
+        r#"<shape type="sphere"><transform name="toWorld"><scale x="0"/></transform></shape>"#;
+    let scene = files.scene("0.6.0", flat).unwrap();
+    let said = scene.warnings[0].to_string();
+    assert!(said.contains("<transform name=\"toWorld\">"), "{said}");
+    let wrong = r#"<shape type="sphere"><string name="flipNormals" value="yes"/></shape>"#;
+    let said = files.error("0.6.0", wrong);
+    assert!(said.contains("for \"flipNormals\", found"), "{said}");
+    let skin = r#"<shape type="sphere"><subsurface type="dipole"/></shape>"#;
+    files.warned("0.6.0", skin, "does not use this");
+    let said = files.scene("0.6.0", skin).unwrap().warnings[0].to_string();
+    assert!(said.contains("<subsurface>"), "{said}");
+}

@@ -79,7 +79,7 @@ fn scene_files() {
                 "<integer name=\"max_depth\" value=\"8\"/>",
                 "<integer name=\"photonCount\" value=\"0\"/>",
             ),
-            &["bad.xml:3", "photon_count"],
+            &["bad.xml:3", "photonCount"],
         ),
         (
             "a gather radius below zero",

@@ -2,6 +2,7 @@
 //!
 //! One table, from which scene files, the command line, comparisons and lists take what they know of an algorithm.
 
+use halflight_kernel::transport::IntegratorSettings;
 use halflight_kernel::transport::integrator_kind;
 
 /// How an algorithm's samples are driven.
@@ -194,8 +195,21 @@ pub fn divides_paths(kind: u32) -> bool {
         PROGRESSIVE_PHOTONS,
         VERTEX_MERGING,
         VEACH_MLT,
+        PRIMARY_SAMPLE_MLT,
     ]
     .contains(&kind)
+}
+
+/// Whether an algorithm renders edits of light transport.
+pub fn turns_paths(settings: &IntegratorSettings) -> bool {
+    [
+        PATH,
+        BIDIRECTIONAL,
+        LIGHT_TRACING,
+        VERTEX_MERGING,
+        PRIMARY_SAMPLE_MLT,
+    ]
+    .contains(&settings.kind)
 }
 
 #[cfg(test)]

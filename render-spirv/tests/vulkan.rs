@@ -25,6 +25,8 @@ fn scene(name: &str, integrator: &str) -> Scene {
         integrator: Some(integrator.to_string()),
         sampler: None,
         sensor: 0,
+        edit: None,
+        edit_time: 0.0,
         strict: false,
     };
     args.load().expect("an example scene")

@@ -136,9 +136,15 @@ impl Connector<'_> {
         at: &Interaction<'_>,
         start: &EmissionSample,
     ) -> Contribution {
+        let light = self.start_sample(at.point.position, start);
+        self.lit(walk, at, &light, &start.point)
+    }
+
+    /// The emitter point at which a light walk started as a sample for a surface at `position`.
+    pub fn start_sample(&self, position: Vec3, start: &EmissionSample) -> DirectSample {
         let tables = self.tables;
         if start.emitter == NONE {
-            return Contribution::NONE;
+            return DirectSample::NONE;
         }
         let mut light = DirectSample {
             emitter: start.emitter,
@@ -146,7 +152,7 @@ impl Connector<'_> {
         };
         let kind = tables.emitters[start.emitter as usize].kind;
         if kind == emitter_kind::AREA {
-            let to_light = start.point.position - at.point.position;
+            let to_light = start.point.position - position;
             light.distance = to_light.length();
             light.direction = to_light / light.distance;
             light.target = start.point.offset_position(-light.direction);
@@ -154,7 +160,7 @@ impl Connector<'_> {
             light.pdf = self.strategies.pdf_direct(
                 tables,
                 start.emitter,
-                at.point.position,
+                position,
                 &start.point,
                 -light.direction,
             );
@@ -166,13 +172,14 @@ impl Connector<'_> {
                 start.density.direction * tables.emitters[start.emitter as usize].selection_pdf;
         } else {
             // The position or direction is discrete: there is nothing to choose.
-            light = emitter::sample_emitter(tables, start.emitter, at.point.position, Vec2::ZERO);
+            light = emitter::sample_emitter(tables, start.emitter, position, Vec2::ZERO);
             light.pdf *= tables.emitters[start.emitter as usize].selection_pdf;
         }
-        self.lit(walk, at, &light, &start.point)
+        light
     }
 
-    fn lit(
+    /// Next event estimation with a sample `light` of an emitter, a point of which is `light_point`.
+    pub fn lit(
         &self,
         walk: &Walk,
         at: &Interaction<'_>,

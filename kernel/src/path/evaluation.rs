@@ -11,16 +11,24 @@
 //! Regularisation is a property of the vertex ([`Interaction::regularized`]): its BSDF is then evaluated below tau, with the
 //! densities p_hat of equation 13 of Jendersie and Grosch 2019 for the weights ([`crate::regularize::both_ways`]).
 //!
+//! Where edits turn directions ([`super::retarget`]), the BSDF is evaluated for those before the turn, in which
+//! [`Interaction::wi`] is given; geometric cosines are those of the true ones. Hosts only: for shaders nothing is edited.
+//!
 //! Invariant (tests): with the two directions exchanged, both modes give the same value but for that ratio, and the two
 //! densities change places.
 
+#[cfg(not(target_arch = "spirv"))]
+use super::retargeted::Retargeted;
 use super::rules::PathRules;
-use crate::bsdf::{Bsdf, BsdfValue, mode};
+#[cfg(not(target_arch = "spirv"))]
+use super::scattered::Scattered;
+use crate::bsdf::{Bsdf, BsdfSample, BsdfValue, mode};
 use crate::math::{Rgb, float};
 use crate::regularize::bandwidth::TAU_MAX;
 use crate::regularize::both_ways;
 use crate::regularize::regularized_bsdf::mixture_eval_cosine_pdf;
 use crate::regularize::settings::flag;
+use crate::sampler::Sampler;
 use crate::scene::{SurfacePoint, Tables};
 use glam::Vec3;
 
@@ -66,6 +74,38 @@ pub struct Interaction<'a> {
     pub tau: f32,
     /// [`flag::PLAIN_WEIGHTS`] or [`flag::PLAIN_VALUES`] among bits of [`flag`].
     pub variant: u32,
+    /// What edits do here; nothing where there are none.
+    #[cfg(not(target_arch = "spirv"))]
+    pub retargeted: Option<&'a Retargeted<'a>>,
+}
+
+/// How a walk leaves a vertex: the direction, and what edits do to the sample that it was made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Factor on the density of the sample.
+    pub pdf: f32,
+    /// Factor on that of the way back.
+    pub pdf_reverse: f32,
+    /// Factor on values.
+    pub value: Rgb,
+    /// One more than the number of the edit that has turned it; zero for none.
+    pub label: u32,
+}
+
+impl Departure {
+    /// Where nothing is edited.
+    #[inline]
+    pub fn straight(direction: Vec3) -> Departure {
+        Departure {
+            direction,
+            pdf: 1.0,
+            pdf_reverse: 1.0,
+            value: Vec3::ONE,
+            label: 0,
+        }
+    }
 }
 
 impl<'a> Interaction<'a> {
@@ -79,7 +119,58 @@ impl<'a> Interaction<'a> {
             cosine: float::abs(point.geometric_normal.dot(direction)),
             tau: TAU_MAX,
             variant: 0,
+            #[cfg(not(target_arch = "spirv"))]
+            retargeted: None,
         }
+    }
+
+    /// The same where edits turn directions: the one from which the walk came, and that in which it is evaluated.
+    #[cfg(not(target_arch = "spirv"))]
+    #[inline]
+    pub fn retargeted(mut self, retargeted: &'a Retargeted<'a>) -> Interaction<'a> {
+        self.wi = self.point.frame.to_local(retargeted.arrival.back);
+        self.retargeted = Some(retargeted);
+        self
+    }
+
+    /// The local direction that the BSDF knows for the world `direction`.
+    #[inline]
+    pub fn effective(&self, direction: Vec3) -> Vec3 {
+        #[cfg(not(target_arch = "spirv"))]
+        if let Some(own) = self.retargeted
+            && let Some(origin) = own.origin(self.point, direction)
+        {
+            return self.point.frame.to_local(origin.direction);
+        }
+        self.point.frame.to_local(direction)
+    }
+
+    /// How a walk leaves along a sample whose unit world direction is `direction`; the sampler is asked for a number where edits
+    /// turn a part of what is scattered.
+    #[inline]
+    pub fn depart<S: Sampler>(
+        &self,
+        tables: &Tables<'_>,
+        sample: &BsdfSample,
+        direction: Vec3,
+        sampler: &mut S,
+    ) -> Departure {
+        #[cfg(not(target_arch = "spirv"))]
+        if let Some(own) = self.retargeted {
+            let (wi, wo) = (self.wi, sample.wo);
+            let scattered = Scattered::sampled(self.bsdf, tables.data, wi, wo, sample.event);
+            let turned = own.turn(self.point, &scattered, direction, || sampler.next_1d());
+            return Departure {
+                direction: turned.direction,
+                pdf: turned.pdf,
+                pdf_reverse: own.arrival.jacobian,
+                value: turned.value,
+                label: turned.label,
+            };
+        }
+        #[cfg(target_arch = "spirv")]
+        let _ = (tables, sample, sampler);
+        Departure::straight(direction)
     }
 
     /// The same with the BSDF below `tau` where it is evaluated for connections; nothing else changes for a BSDF that has no
@@ -119,6 +210,10 @@ impl<'a> Interaction<'a> {
             return Evaluation::NONE;
         }
         let is_light_walk = transport_mode == mode::IMPORTANCE;
+        #[cfg(not(target_arch = "spirv"))]
+        if let Some(own) = self.retargeted {
+            return self.evaluate_retargeted(tables, own, is_light_walk, direction);
+        }
         let both = self.eval_cosine_pdf_both(tables, wo, is_light_walk);
         if both.value.max_element() <= 0.0 {
             return Evaluation::NONE;
@@ -132,6 +227,35 @@ impl<'a> Interaction<'a> {
             value: both.value * ratio,
             pdf: both.pdf,
             pdf_reverse: both.pdf_reverse,
+        }
+    }
+
+    /// [`Interaction::evaluate`] where edits turn directions.
+    #[cfg(not(target_arch = "spirv"))]
+    fn evaluate_retargeted(
+        &self,
+        tables: &Tables<'_>,
+        own: &Retargeted<'_>,
+        is_light_walk: bool,
+        direction: Vec3,
+    ) -> Evaluation {
+        let Some(origin) = own.origin(self.point, direction) else {
+            return Evaluation::NONE;
+        };
+        let wo = self.point.frame.to_local(origin.direction);
+        let both = self.eval_cosine_pdf_both(tables, wo, is_light_walk);
+        if both.value.max_element() <= 0.0 {
+            return Evaluation::NONE;
+        }
+        let ratio = if is_light_walk {
+            self.adjoint_ratio(direction)
+        } else {
+            1.0
+        };
+        Evaluation {
+            value: both.value * ratio * own.value(self.point, &origin, direction),
+            pdf: both.pdf * origin.jacobian,
+            pdf_reverse: both.pdf_reverse * own.arrival.jacobian,
         }
     }
 

@@ -23,7 +23,9 @@
 //! - [`lens`]: connections to the lens, and walks that hit it;
 //! - [`contribution`]: what a strategy returns;
 //! - [`visibility`]: transmittance along a segment;
-//! - [`expression`], [`path_states`], `whole_shares`: which sets of paths a path belongs to, and the walks that find out;
+//! - [`expression`], [`scattered`], [`path_states`], `whole_shares`: which sets of paths a path belongs to, and the walks that
+//!   find out;
+//! - `retarget`, `retarget_states`, `retargeted`: edits, which paths they turn, and what they do at a vertex;
 //! - `whole`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of all strategies, for Markov chains.
 
 pub mod arrival;
@@ -36,7 +38,15 @@ pub mod lens;
 pub mod mollified;
 pub mod path_states;
 pub mod photon_density;
+// Edits are for hosts only: they choose between several ways at a vertex, for which shaders have no room.
+#[cfg(not(target_arch = "spirv"))]
+pub mod retarget;
+#[cfg(not(target_arch = "spirv"))]
+pub mod retarget_states;
+#[cfg(not(target_arch = "spirv"))]
+pub mod retargeted;
 pub mod rules;
+pub mod scattered;
 pub mod specular_chain;
 pub mod spread;
 pub mod strategies;
@@ -62,9 +72,10 @@ pub use connection::Connector;
 pub use contribution::{Contribution, Contributions};
 pub use evaluation::{Evaluation, Interaction};
 pub use expression::PathExpressions;
-pub use path_states::{PathStates, Scattered, Shares};
+pub use path_states::{PathStates, Shares};
 pub use photon_density::PhotonDensity;
 pub use rules::PathRules;
+pub use scattered::Scattered;
 pub use strategies::Strategies;
 pub use subpath::Subpath;
 pub use vertex::{LightEnd, PathVertex};

@@ -2,7 +2,7 @@
 //!
 //! Where a material scatters diffusely and glossily into the same direction, a path belongs to several sets of paths, to each
 //! with a share of its light per channel. A walk therefore carries weights over the automaton's states ([`PathStates`]), which
-//! sum to one: at every vertex the weight of a state is divided by f_D / f and f_G / f ([`Bsdf::diffuse_share`]) and moved on.
+//! sum to one: at every vertex the weight of a state is divided by f_D / f and f_G / f ([`crate::bsdf::Bsdf::diffuse_share`]) and moved on.
 //! Most materials do one of both, and most walks have one state. A discrete event is specular. Reflection and transmission are
 //! told apart by the shading normal.
 //!
@@ -12,7 +12,7 @@
 
 use super::evaluation::Interaction;
 use super::expression::{Automaton, DEAD, MAX_PARTS, PathExpressions, START, scattering};
-use crate::bsdf::{Bsdf, event};
+use super::scattered::Scattered;
 use crate::math::Rgb;
 use crate::scene::{NONE, SurfacePoint};
 use glam::Vec3;
@@ -20,67 +20,11 @@ use glam::Vec3;
 /// Most states that a walk can be in. A front end makes sure that it is enough for its expressions.
 pub const CAPACITY: usize = 16;
 
-/// What happens at a vertex, for expressions.
-#[derive(Clone, Copy, Debug)]
-pub struct Scattered {
-    /// Whether it is a discrete event.
-    pub is_specular: bool,
-    /// Whether light passes to the other side.
-    pub is_transmitted: bool,
-    /// Share of diffuse scattering in what is no discrete event.
-    pub diffuse: Rgb,
-}
-
 impl Scattered {
-    /// A discrete event, with its bits of [`event`].
-    #[inline]
-    pub fn specular(bits: u32) -> Scattered {
-        Scattered {
-            is_specular: true,
-            is_transmitted: bits & event::TRANSMISSION != 0,
-            diffuse: Vec3::ZERO,
-        }
-    }
-
-    /// Scattering that is no discrete event, by the smooth part of a BSDF between two local directions.
-    #[inline]
-    pub fn smooth(bsdf: &Bsdf, data: &[f32], wi: Vec3, wo: Vec3) -> Scattered {
-        Scattered {
-            is_specular: false,
-            is_transmitted: wi.z * wo.z < 0.0,
-            diffuse: bsdf.diffuse_share(data, wi, wo),
-        }
-    }
-
-    /// A sample of a BSDF towards the local direction `wo`, with its bits of [`event`].
-    #[inline]
-    pub fn sampled(bsdf: &Bsdf, data: &[f32], wi: Vec3, wo: Vec3, bits: u32) -> Scattered {
-        if bits & event::DELTA != 0 {
-            Scattered::specular(bits)
-        } else {
-            Scattered::smooth(bsdf, data, wi, wo)
-        }
-    }
-
-    /// The kind of [`scattering`], if there is but one; [`NONE`] for diffuse and glossy at once.
-    #[inline]
-    pub fn kind(&self) -> u32 {
-        let kind = if self.is_specular {
-            scattering::SPECULAR_REFLECTION
-        } else if self.diffuse == Vec3::ONE {
-            scattering::DIFFUSE_REFLECTION
-        } else if self.diffuse == Vec3::ZERO {
-            scattering::GLOSSY_REFLECTION
-        } else {
-            return NONE;
-        };
-        kind + self.is_transmitted as u32
-    }
-
     /// Scattering of a walk into the unit world `direction` at the end of a connection.
     #[inline]
     pub fn towards(at: &Interaction<'_>, data: &[f32], direction: Vec3) -> Scattered {
-        let wo = at.point.frame.to_local(direction);
+        let wo = at.effective(direction);
         Scattered::smooth(at.bsdf, data, at.wi, wo)
     }
 }
@@ -113,6 +57,14 @@ impl PathStates {
     pub fn at_sensor(expressions: &PathExpressions<'_>) -> PathStates {
         let automaton = &expressions.from_sensor;
         PathStates::one(automaton.after(START, expressions.sensor))
+    }
+
+    /// [`PathStates::at_sensor`] in place, without a copy of all that there is room for.
+    #[inline]
+    pub fn restart_at_sensor(&mut self, expressions: &PathExpressions<'_>) {
+        let state = expressions.from_sensor.after(START, expressions.sensor);
+        self.count = (state != DEAD) as u32;
+        self.entries[0] = (state, Vec3::ONE);
     }
 
     /// Of a walk that starts at an emitter.
@@ -192,8 +144,22 @@ impl PathStates {
         scattered: &Scattered,
     ) {
         let kind = scattered.kind();
-        if self.count != 1 || kind == NONE {
+        if self.count != 1 {
             *self = self.after(expressions, automaton, point, scattered);
+            return;
+        }
+        if kind == NONE {
+            let place = expressions.place(point);
+            let side = scattered.is_transmitted as u32;
+            let (state, weight) = self.entries[0];
+            let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
+            let glossy = expressions.letter(place, scattering::GLOSSY_REFLECTION + side);
+            self.count = 0;
+            self.add(automaton.after(state, diffuse), weight * scattered.diffuse);
+            self.add(
+                automaton.after(state, glossy),
+                weight * (Vec3::ONE - scattered.diffuse),
+            );
             return;
         }
         let letter = expressions.letter(expressions.place(point), kind);
@@ -202,8 +168,8 @@ impl PathStates {
         self.count = (state != DEAD) as u32;
     }
 
-    /// Bits of the expressions that match a walk from the sensor which is in one state, scatters in one way, and then ends at
-    /// an emitter; false if there is more to it.
+    /// What expressions match a walk from the sensor which is in one state, scatters, and then ends at an emitter; nothing if
+    /// there is more to it.
     #[inline]
     pub fn lit_by(
         &self,
@@ -211,22 +177,35 @@ impl PathStates {
         point: &SurfacePoint,
         scattered: &Scattered,
         emitter: u32,
-    ) -> (bool, u32) {
-        let kind = scattered.kind();
-        if self.count != 1 || kind == NONE || emitter == NONE {
-            return (false, 0);
+    ) -> LitBy {
+        if self.count != 1 || emitter == NONE {
+            return LitBy::NONE;
         }
         let automaton = &expressions.from_sensor;
-        let letter = expressions.letter(expressions.place(point), kind);
-        let state = automaton.after(self.entries[0].0, letter);
+        let (state, weight) = self.entries[0];
+        let place = expressions.place(point);
         let last = expressions.emitters[emitter as usize];
-        (true, automaton.matched_with(state, last))
-    }
-
-    /// Weight of the one state.
-    #[inline]
-    pub fn weight(&self) -> Rgb {
-        self.entries[0].1
+        let kind = scattered.kind();
+        if kind != NONE {
+            let next = automaton.after(state, expressions.letter(place, kind));
+            return LitBy {
+                is_known: true,
+                bits: automaton.matched_with(next, last),
+                weight,
+                glossy_bits: 0,
+                glossy_weight: Vec3::ZERO,
+            };
+        }
+        let side = scattered.is_transmitted as u32;
+        let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
+        let glossy = expressions.letter(place, scattering::GLOSSY_REFLECTION + side);
+        LitBy {
+            is_known: true,
+            bits: automaton.matched_with(automaton.after(state, diffuse), last),
+            weight: weight * scattered.diffuse,
+            glossy_bits: automaton.matched_with(automaton.after(state, glossy), last),
+            glossy_weight: weight * (Vec3::ONE - scattered.diffuse),
+        }
     }
 
     /// Adds the parts of `light` to sums where a walk from the sensor ends at an emitter.
@@ -294,6 +273,33 @@ impl PathStates {
     }
 }
 
+/// The expressions that a walk with one state matches where it is lit: those of what is diffuse, or of all there is, and those of
+/// what is glossy beside.
+#[derive(Clone, Copy, Debug)]
+pub struct LitBy {
+    /// Whether the rest says it.
+    pub is_known: bool,
+    /// Bits of the expressions.
+    pub bits: u32,
+    /// Their share.
+    pub weight: Rgb,
+    /// Bits of those of what is glossy.
+    pub glossy_bits: u32,
+    /// Their share.
+    pub glossy_weight: Rgb,
+}
+
+impl LitBy {
+    /// It is not known.
+    pub const NONE: LitBy = LitBy {
+        is_known: false,
+        bits: 0,
+        weight: Vec3::ZERO,
+        glossy_bits: 0,
+        glossy_weight: Vec3::ZERO,
+    };
+}
+
 /// The share of each expression in the light of a path, per channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Shares {
@@ -308,6 +314,24 @@ impl Shares {
         parts: [Vec3::ZERO; MAX_PARTS],
         bits: 0,
     };
+
+    /// Of light that has been divided into parts already.
+    pub fn of_parts(whole: Rgb, parts: &[Rgb]) -> Shares {
+        let mut shares = Shares::NONE;
+        for part in 0..parts.len() {
+            let own = parts[part];
+            if own.max_element() > 0.0 {
+                let share = |part: f32, whole: f32| if whole > 0.0 { part / whole } else { 0.0 };
+                shares.parts[part] = Vec3::new(
+                    share(own.x, whole.x),
+                    share(own.y, whole.y),
+                    share(own.z, whole.z),
+                );
+                shares.bits |= 1 << part;
+            }
+        }
+        shares
+    }
 
     #[inline]
     fn add(&mut self, count: u32, bits: u32, weight: Rgb) {

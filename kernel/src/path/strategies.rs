@@ -25,6 +25,8 @@ pub struct Strategies {
     pub only_t: u32,
     /// Whether all weights are one, to show a strategy as it is.
     pub unweighted: bool,
+    /// Whether light walks meet a lens of finite aperture (t = 0), if there is a light image.
+    pub meets_lens: bool,
 }
 
 impl Strategies {
@@ -54,7 +56,7 @@ impl Strategies {
     #[inline]
     pub fn pdf_lens(&self, tables: &Tables<'_>, rules: &PathRules) -> f32 {
         // With hidden emitters the edge to the lens would have to pass through emitters, which the walk's ray does not.
-        if self.light_image && rules.hide_emitters == 0 {
+        if self.light_image && self.meets_lens && rules.hide_emitters == 0 {
             camera::pdf_lens_area(&tables.camera)
         } else {
             0.0

@@ -35,6 +35,9 @@ use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera, camera_kind};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+/// Where the number of an edit begins in [`Walk::event`].
+pub const LABEL_SHIFT: u32 = 16;
+
 /// The moving end of a subpath that may be connected, and what the weights of strategies need to know of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -57,7 +60,8 @@ pub struct Walk {
     pub chain: SpecularChain,
     /// The same at the surface that the current ray has hit.
     pub arrived_chain: SpecularChain,
-    /// What happened where it scattered last: bits of [`event`].
+    /// What happened where it scattered last: bits of [`event`], and from [`LABEL_SHIFT`] on one more than the number of the edit
+    /// that turned it, zero for none.
     pub event: u32,
 }
 
@@ -289,8 +293,15 @@ impl Walk {
                 step::END
             };
         }
-        let direction = point.frame.to_world(sample.wo).normalize();
-        if !rules.allows(point, direction, sample.wo.z) {
+        let sampled = point.frame.to_world(sample.wo).normalize();
+        let turned = at.depart(tables, &sample, sampled, sampler);
+        let direction = turned.direction;
+        let cos_shading = if turned.label == 0 {
+            sample.wo.z
+        } else {
+            point.frame.n.dot(direction)
+        };
+        if !rules.allows(point, direction, cos_shading) {
             return step::END;
         }
         let cosine = float::abs(point.geometric_normal.dot(direction));
@@ -302,6 +313,7 @@ impl Walk {
             self.weights = if at.is_regularized() {
                 self.regularized_weights(tables, h, at, &sample, cosine, is_reversible)
             } else if is_reversible {
+                let cosine = cosine * (turned.pdf_reverse / turned.pdf);
                 self.arrived.scatter_delta(h, cosine)
             } else {
                 // No walk can come from the other end.
@@ -319,8 +331,9 @@ impl Walk {
             self.weights = if at.is_regularized() {
                 self.regularized_weights(tables, h, at, &sample, cosine, true)
             } else {
+                let pdf_reverse = both.pdf_reverse * turned.pdf_reverse;
                 self.arrived
-                    .scatter(h, sample.pdf, both.pdf_reverse, cosine)
+                    .scatter(h, sample.pdf * turned.pdf, pdf_reverse, cosine)
             };
             if is_light_walk {
                 both.value * (at.adjoint_ratio(direction) / sample.pdf)
@@ -328,13 +341,14 @@ impl Walk {
                 sample.weight
             }
         };
+        let factor = factor * (turned.value / turned.pdf);
         let subpath = &mut self.subpath;
         subpath.throughput *= factor;
         if !(subpath.throughput.max_element() > 0.0) || !subpath.throughput.is_finite() {
             return step::END;
         }
         subpath.eta *= sample.eta;
-        self.event = sample.event;
+        self.event = sample.event | turned.label << LABEL_SHIFT;
         let survival = if self.mode == mode::RADIANCE {
             subpath.camera_survival()
         } else {

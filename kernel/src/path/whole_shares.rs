@@ -3,7 +3,8 @@
 //! Hosts only, as whole paths are.
 
 use super::expression::PathExpressions;
-use super::path_states::{PathStates, Scattered, Shares};
+use super::path_states::{PathStates, Shares};
+use super::scattered::Scattered;
 use super::whole::Path;
 use crate::bsdf::{Bsdf, mode};
 use crate::scene::Tables;

@@ -15,7 +15,7 @@ use super::pixel::camera_ray;
 use super::settings::IntegratorSettings;
 use crate::bsdf::Bsdf;
 use crate::math::{Ray, Rgb};
-use crate::path::path_states::add_to_parts;
+use crate::path::path_states::{LitBy, add_to_parts};
 use crate::path::{PathExpressions, PathStates, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse};
@@ -26,9 +26,8 @@ use glam::Vec3;
 pub struct DividedPath {
     /// Light of all paths.
     pub whole: Rgb,
-    /// Bits of the expressions that match the emitter sample under way, and their share.
-    lit_bits: u32,
-    lit_weight: Rgb,
+    /// The expressions that match the emitter sample under way.
+    lit_by: LitBy,
     /// Its emitter, if that depends on more states than one: then they are in `lit`.
     lit_emitter: u32,
     /// Of the vertices behind the walk.
@@ -40,8 +39,7 @@ impl DividedPath {
     /// Of no path.
     pub const NONE: DividedPath = DividedPath {
         whole: Vec3::ZERO,
-        lit_bits: 0,
-        lit_weight: Vec3::ZERO,
+        lit_by: LitBy::NONE,
         lit_emitter: NONE,
         states: PathStates::DEAD,
         lit: PathStates::DEAD,
@@ -51,7 +49,7 @@ impl DividedPath {
     #[inline]
     pub fn begin(&mut self, expressions: &PathExpressions<'_>) {
         self.whole = Vec3::ZERO;
-        self.states = PathStates::at_sensor(expressions);
+        self.states.restart_at_sensor(expressions);
     }
 
     /// The path has met light of an emitter.
@@ -78,11 +76,10 @@ impl DividedPath {
         scattered: &Scattered,
         emitter: u32,
     ) -> bool {
-        let (is_one, bits) = self.states.lit_by(expressions, point, scattered, emitter);
-        self.lit_bits = bits;
-        self.lit_weight = self.states.weight();
+        self.lit_by = self.states.lit_by(expressions, point, scattered, emitter);
         self.lit_emitter = NONE;
-        if is_one {
+        if self.lit_by.is_known {
+            let bits = self.lit_by.bits | self.lit_by.glossy_bits;
             return expressions.only == 0 || bits != 0;
         }
         self.lit_emitter = emitter;
@@ -96,7 +93,9 @@ impl DividedPath {
     pub fn lit(&mut self, expressions: &PathExpressions<'_>, found: Rgb, parts: &mut [Rgb]) {
         self.whole += found;
         if self.lit_emitter == NONE {
-            add_to_parts(self.lit_bits, found * self.lit_weight, parts);
+            let by = &self.lit_by;
+            add_to_parts(by.bits, found * by.weight, parts);
+            add_to_parts(by.glossy_bits, found * by.glossy_weight, parts);
         } else {
             self.lit.divide(expressions, self.lit_emitter, found, parts);
         }

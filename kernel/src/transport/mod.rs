@@ -10,6 +10,7 @@
 //! | [`aov`] | surface features of a camera sample |
 //! | [`regularized_path`] | path tracing whose next event estimation is regularised |
 //! | [`divided`] | path tracing whose light is divided by path expressions |
+//! | `retargeted` | path tracing, bidirectional path tracing and merging with edits of light transport (hosts only) |
 //! | [`irradiance`], `recorded` | what falls on a surface; paths with their vertices (hosts only) |
 //! | [`connection`] | next event estimation |
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
@@ -36,6 +37,9 @@ pub mod regularized_path;
 // Paths are noted for hosts only, in lists without a limit that shaders have.
 #[cfg(not(target_arch = "spirv"))]
 pub mod recorded;
+// Edits are for hosts only.
+#[cfg(not(target_arch = "spirv"))]
+pub mod retargeted;
 pub mod settings;
 pub mod staged;
 #[cfg(not(target_arch = "spirv"))]

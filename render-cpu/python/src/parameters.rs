@@ -42,6 +42,13 @@ pub(crate) fn to_python(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
             let rows = m.transpose().to_cols_array().to_vec();
             rows.into_pyarray(py).reshape([4, 4])?.into_any()
         }
+        // Times and the rows of their transforms.
+        Value::Animation(keys) => {
+            let rows = keys
+                .iter()
+                .map(|(time, m)| (*time, m.transpose().to_cols_array().to_vec()));
+            rows.collect::<Vec<_>>().into_pyobject(py)?.into_any()
+        }
         // Objects are no values, and not listed.
         Value::Object(_) => py.None().into_bound(py),
     }
@@ -106,6 +113,7 @@ pub(crate) fn from_python(name: &str, old: &Value, value: &Bound<'_, PyAny>) -> 
         },
         Value::Rgb(_) | Value::Spectrum(_) | Value::Blackbody { .. } => color(value),
         Value::Transform(_) => transform(value),
+        Value::Animation(_) => Err("keyframes of the scene file alone"),
         Value::Object(_) => Err("no object"),
     };
     new.map_err(|expected| {

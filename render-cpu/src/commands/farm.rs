@@ -214,6 +214,8 @@ impl PlanArgs {
             sensor: scene.sensor,
             strict: scene.strict,
             parts: self.estimator.expressions.request(),
+            edit: scene.edit.as_deref().map(absolute).transpose()?,
+            edit_time: scene.edit_time,
             settings: None,
             look: PlannedLook {
                 clamp: look.clamp,

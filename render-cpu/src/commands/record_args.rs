@@ -42,6 +42,9 @@ impl RecordArgs {
     /// # Errors
     /// A mistake in the expression.
     pub(super) fn parts(&self, scene: &Scene) -> Result<PathParts, Box<dyn Error + Send + Sync>> {
+        if self.record.is_some() && !scene.edits.is_empty() {
+            return Err("--record writes paths as they are, without edits".into());
+        }
         let request = PartsRequest {
             layers: Vec::new(),
             only: self.record_where.clone(),

@@ -40,6 +40,12 @@ pub struct SceneArgs {
     /// Which of several sensors, from 0.
     #[arg(help_heading = "Scene", long, value_name = "N", default_value_t = 0)]
     pub sensor: usize,
+    /// A file with edits of light transport: a scene file that holds nothing but <edit>s.
+    #[arg(help_heading = "Paths", long, value_name = "FILE")]
+    pub edit: Option<PathBuf>,
+    /// The moment at which the keyframes of edits are taken.
+    #[arg(help_heading = "Paths", long, value_name = "T", default_value_t = 0.0)]
+    pub edit_time: f64,
     /// Stop at the first thing that would otherwise be a warning.
     #[arg(help_heading = "Scene", long)]
     pub strict: bool,
@@ -89,6 +95,8 @@ impl SceneArgs {
                 integrator: self.integrator.clone(),
                 sampler: self.sampler.clone(),
                 sensor: self.sensor,
+                edit: self.edit.clone(),
+                edit_time: self.edit_time,
             },
         )
     }

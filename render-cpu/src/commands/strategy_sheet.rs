@@ -54,6 +54,9 @@ pub fn run(
     if scene.settings.regularization.is_some() {
         return Err("--strategy-sheet shows strategies without regularisation".into());
     }
+    if !scene.edits.is_empty() {
+        return Err("--strategy-sheet shows strategies without edits".into());
+    }
     if scene.settings.kind != integrator_kind::BIDIRECTIONAL {
         return Err(format!(
             "--strategy-sheet shows the strategies of bdpt (--integrator bdpt), not of {}",

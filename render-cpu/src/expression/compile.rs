@@ -20,21 +20,21 @@ const MAX_JOINS: usize = 1 << 22;
 /// The tables of several expressions.
 #[derive(Clone, Debug)]
 pub struct CompiledExpressions {
-    count: u32,
-    only: u32,
-    shapes: Vec<u32>,
-    instances: Vec<u32>,
-    instance_classes: u32,
-    regions: Vec<Region>,
-    letters: Vec<u32>,
-    emitters: Vec<u32>,
-    sensor: u32,
-    alphabet: u32,
-    light_next: Vec<u32>,
-    light_matched: Vec<u32>,
-    sensor_next: Vec<u32>,
-    sensor_matched: Vec<u32>,
-    joins: Vec<u32>,
+    pub(super) count: u32,
+    pub(super) only: u32,
+    pub(super) shapes: Vec<u32>,
+    pub(super) instances: Vec<u32>,
+    pub(super) instance_classes: u32,
+    pub(super) regions: Vec<Region>,
+    pub(super) letters: Vec<u32>,
+    pub(super) emitters: Vec<u32>,
+    pub(super) sensor: u32,
+    pub(super) alphabet: u32,
+    pub(super) light_next: Vec<u32>,
+    pub(super) light_matched: Vec<u32>,
+    pub(super) sensor_next: Vec<u32>,
+    pub(super) sensor_matched: Vec<u32>,
+    pub(super) joins: Vec<u32>,
 }
 
 impl CompiledExpressions {
@@ -89,50 +89,12 @@ pub fn compile(
     if texts.len() > MAX_PARTS {
         return Err(too_complex(&format!("more than {MAX_PARTS} expressions")));
     }
-    let mut positions = Positions::default();
-    let mut atoms: Vec<(Atom, String)> = Vec::new();
-    let mut numbers: HashMap<Atom, usize> = HashMap::new();
-    for text in texts {
-        let node = parse(text)?;
-        positions.add(text, &node, &mut |atom| {
-            *numbers.entry(atom.clone()).or_insert_with(|| {
-                atoms.push((atom.clone(), (*text).to_owned()));
-                atoms.len() - 1
-            })
-        })?;
-    }
-    let alphabet = Alphabet::new(&atoms, tables, names)?;
-    let accepted: Vec<PositionSet> = (alphabet.accepted.iter())
-        .map(|by_atom| {
-            let mut set = PositionSet::empty(positions.count());
-            let own = positions.atoms.iter().enumerate();
-            own.filter(|(_, atom)| atom.is_some_and(|a| by_atom[a]))
-                .for_each(|(p, _)| set.insert(p));
-            set
-        })
-        .collect();
-    let unique = |letters: &[u32]| -> Vec<u32> {
-        letters
-            .iter()
-            .copied()
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .collect()
-    };
-    let inner = unique(&alphabet.letters);
-    let emitters = unique(&alphabet.emitters);
-    let from_light = Letters {
-        first: emitters.clone(),
-        inner: inner.clone(),
-        last: vec![alphabet.sensor],
-        accepted: &accepted,
-    };
-    let from_sensor = Letters {
-        first: vec![alphabet.sensor],
-        inner,
-        last: emitters,
-        accepted: &accepted,
-    };
+    let Read {
+        positions,
+        alphabet,
+        accepted,
+    } = Read::new(texts, tables, names)?;
+    let (from_light, from_sensor) = ends(&alphabet, &accepted);
     let only = u32::from(only);
     let made = |letters: &Letters<'_>, end: End| {
         Deterministic::new(&positions, letters, end, only)
@@ -171,6 +133,76 @@ pub fn compile(
         sensor_matched: sensor.matched,
         joins,
     })
+}
+
+/// Expressions that have been read, over the letters of a scene.
+pub(super) struct Read {
+    pub positions: Positions,
+    pub alphabet: Alphabet,
+    /// By letter: the positions whose atoms accept it.
+    pub accepted: Vec<PositionSet>,
+}
+
+impl Read {
+    pub fn new(
+        texts: &[&str],
+        tables: &Tables<'_>,
+        names: &SceneNames,
+    ) -> Result<Read, ExpressionError> {
+        let mut positions = Positions::default();
+        let mut atoms: Vec<(Atom, String)> = Vec::new();
+        let mut numbers: HashMap<Atom, usize> = HashMap::new();
+        for text in texts {
+            let node = parse(text)?;
+            positions.add(text, &node, &mut |atom| {
+                *numbers.entry(atom.clone()).or_insert_with(|| {
+                    atoms.push((atom.clone(), (*text).to_owned()));
+                    atoms.len() - 1
+                })
+            })?;
+        }
+        let alphabet = Alphabet::new(&atoms, tables, names)?;
+        let accepted = (alphabet.accepted.iter())
+            .map(|by_atom| {
+                let mut set = PositionSet::empty(positions.count());
+                let own = positions.atoms.iter().enumerate();
+                own.filter(|(_, atom)| atom.is_some_and(|a| by_atom[a]))
+                    .for_each(|(p, _)| set.insert(p));
+                set
+            })
+            .collect();
+        Ok(Read {
+            positions,
+            alphabet,
+            accepted,
+        })
+    }
+}
+
+/// The letters as walks from the light and from the sensor read them.
+pub(super) fn ends<'a>(
+    alphabet: &Alphabet,
+    accepted: &'a [PositionSet],
+) -> (Letters<'a>, Letters<'a>) {
+    let unique = |letters: &[u32]| -> Vec<u32> {
+        let set: BTreeSet<u32> = letters.iter().copied().collect();
+        set.into_iter().collect()
+    };
+    let inner = unique(&alphabet.letters);
+    let emitters = unique(&alphabet.emitters);
+    let from_light = Letters {
+        first: emitters.clone(),
+        inner: inner.clone(),
+        last: vec![alphabet.sensor],
+        accepted,
+    };
+    let from_sensor = Letters {
+        first: vec![alphabet.sensor],
+        inner,
+        last: emitters,
+        accepted,
+    };
+    (from_light, from_sensor)
 }
 
 /// Makes sure that walks have room for all states that they can be in.

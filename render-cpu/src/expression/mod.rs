@@ -9,6 +9,7 @@
 //! | `positions` | the automaton of an expression's atoms |
 //! | `automaton` | deterministic automata from both ends |
 //! | [`compile`](mod@compile) | all of them together |
+//! | [`selections`] | parts of paths, for edits |
 //! | [`error`] | what is wrong, and where |
 //! | [`parts`] | what is asked for of an image, and its layers |
 //!
@@ -23,6 +24,7 @@ pub mod names;
 pub mod parser;
 pub mod parts;
 mod positions;
+pub mod selections;
 pub mod syntax;
 mod vertex_parser;
 

@@ -41,7 +41,7 @@ pub(crate) fn light_letter(kind: u32) -> &'static str {
 }
 
 /// The region of the shapes of a name: the ball of a sphere, else the box around all of them, along the axes of the world.
-pub(crate) fn region(tables: &Tables<'_>, names: &SceneNames, wanted: &str) -> Option<Region> {
+pub fn region(tables: &Tables<'_>, names: &SceneNames, wanted: &str) -> Option<Region> {
     let shapes = || {
         let all = tables.shapes.iter().enumerate();
         all.filter(|(i, _)| name(&names.shapes, *i) == wanted)

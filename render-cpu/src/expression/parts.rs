@@ -121,8 +121,13 @@ pub enum PartsError {
     #[error("--lpe: there are two layers named \"{0}\"")]
     Twice(String),
     /// The algorithm does not know the paths of what it adds.
-    #[error("--lpe and --only are not for {0}: use path, ptracer, bdpt, sppm, vcm, mlt or erpt")]
+    #[error(
+        "--lpe and --only are not for {0}: use path, ptracer, bdpt, sppm, vcm, mlt, erpt, pssmlt or mmlt"
+    )]
     Algorithm(String),
+    /// Photons among edits know which edits apply to them, and nothing else of their paths.
+    #[error("--lpe and --only do not divide what vcm merges among edits: use bdpt")]
+    EditedPhotons,
     /// Events that regularisation has spread are of no kind.
     #[error("--lpe and --only divide paths as they are, not those that regularisation has spread")]
     Regularized,

@@ -38,6 +38,12 @@ pub struct PlannedScene {
     /// Layers by path expressions.
     #[serde(default)]
     pub parts: PartsRequest,
+    /// A file with edits of light transport.
+    #[serde(default)]
+    pub edit: Option<PathBuf>,
+    /// The moment of their keyframes.
+    #[serde(default)]
+    pub edit_time: f64,
     /// How the image is made of the samples.
     #[serde(default)]
     pub look: PlannedLook,
@@ -77,6 +83,8 @@ impl PlannedScene {
             integrator: self.integrator.clone(),
             sampler: self.sampler.clone(),
             sensor: self.sensor,
+            edit: self.edit.clone(),
+            edit_time: self.edit_time,
         };
         let mut scene = build_scene(&parsed, &options)?;
         if let Some(words) = &self.settings {

@@ -56,6 +56,10 @@ impl PixelMut<'_> {
         }
         let sums = &mut self.aov_sums[self.aovs.accumulators()..];
         for (sum, part) in sums.chunks_exact_mut(3).zip(parts) {
+            // Most samples are of few parts.
+            if *part == Vec3::ZERO {
+                continue;
+            }
             for c in 0..3 {
                 sum[c] += f64::from(part[c] * scale);
             }

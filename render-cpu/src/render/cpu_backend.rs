@@ -2,7 +2,7 @@
 
 use super::backend::{Backend, PassEnd, PassError};
 use super::chains::render_groups;
-use super::divided_layers::{Division, render_divided_layers};
+use super::divided_layers::{Division, Followed, render_divided_layers};
 use super::options::{Outcome, RenderOptions, RunState};
 use super::own_layers::own_layers;
 use super::passes::render_passes;
@@ -17,6 +17,7 @@ use crate::film::{Film, FilmError};
 use crate::integrators::{Shape, divides_paths, shape};
 use crate::processor;
 use crate::scene::build::Scene;
+use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -121,18 +122,24 @@ impl Backend for CpuBackend<'_> {
         if division.is_some() && !divides_paths(settings.kind) {
             return Err("this algorithm does not know the paths of what it adds".into());
         }
+        let edits = self.scene.edits.view();
         let is_shared = matches!(shape(settings.kind), Shape::Splats | Shape::Passes);
-        if let (true, Some(division), None) = (is_shared, &division, counts) {
+        let follows_paths = division.is_some() || edits.is_some();
+        if is_shared && follows_paths && counts.is_none() {
             let pilots = &self.pilots;
+            let followed = Followed {
+                division: division.as_ref(),
+                edits: edits.as_ref(),
+            };
             return Ok(if is_sobol {
                 let new = SobolSampler::new;
                 render_divided_layers(
-                    &view, settings, division, options, film, per_pixel, new, stop, pilots,
+                    &view, settings, followed, options, film, per_pixel, new, stop, pilots,
                 )
             } else {
                 let new = IndependentSampler::new;
                 render_divided_layers(
-                    &view, settings, division, options, film, per_pixel, new, stop, pilots,
+                    &view, settings, followed, options, film, per_pixel, new, stop, pilots,
                 )
             });
         }
@@ -140,7 +147,7 @@ impl Backend for CpuBackend<'_> {
             Shape::Pixels => {
                 let kind = self.scene.sampler;
                 render_pass(
-                    &view, settings, division, kind, options, film, per_pixel, counts, stop,
+                    &view, settings, division, edits, kind, options, film, per_pixel, counts, stop,
                 )
             }
             Shape::Splats | Shape::Passes | Shape::Chains if counts.is_some() => {
@@ -176,7 +183,11 @@ impl Backend for CpuBackend<'_> {
                 render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
             }
             Shape::Chains => {
-                render_groups(&view, settings, division, options, film, per_pixel, stop)
+                let followed = Followed {
+                    division: division.as_ref(),
+                    edits: edits.as_ref(),
+                };
+                render_groups(&view, settings, followed, options, film, per_pixel, stop)
             }
         })
     }
@@ -187,6 +198,7 @@ fn render_pass<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     division: Option<Division<'_>>,
+    edits: Option<Edits<'_>>,
     kind: u32,
     options: &RenderOptions,
     film: &mut Film,
@@ -200,6 +212,7 @@ fn render_pass<T: Traverse + Sync>(
         options,
         stop,
         division,
+        edits,
         needs_surface: film.aovs().needs_surface(),
         simd: processor::simd_level(),
     };

@@ -19,19 +19,23 @@ use crate::expression::PathParts;
 use crate::film::Film;
 use glam::Vec3;
 use halflight_kernel::math::Rgb;
-use halflight_kernel::path::{PathExpressions, PathStates, PhotonDensity, Shares};
+use halflight_kernel::path::retarget_states::Edits;
+use halflight_kernel::path::{Contribution, PathExpressions, PathStates, PhotonDensity, Shares};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
+use halflight_kernel::scene::camera::CameraSample;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::bidirectional::{
-    Bidirectional, DividedPhotons, DividedSample, StateStore, counted, sample_watched,
+    Bidirectional, DividedPhotons, DividedSample, StateStore, Unshadowed, Watcher, counted,
+    sample_watched,
 };
 use halflight_kernel::transport::photon::divided::sample_among_photons;
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::{
     Progressive, light_walks, pass_radius, radius_after,
 };
-use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind};
+use halflight_kernel::transport::retargeted::bidirectional::EditedPhotons;
+use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind, retargeted};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 /// Rows whose samples one thread takes, and whose splats one thread adds, at a time.
@@ -57,6 +61,15 @@ impl<'a> Division<'a> {
             count: parts.request().layers.len(),
         })
     }
+}
+
+/// What is made of the paths of an image, each followed by itself.
+#[derive(Clone, Copy)]
+pub(super) struct Followed<'a> {
+    /// What divides it.
+    pub division: Option<&'a Division<'a>>,
+    /// The edits of its light transport.
+    pub edits: Option<&'a Edits<'a>>,
 }
 
 /// The states along a light walk.
@@ -87,7 +100,7 @@ struct Found {
 pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
-    division: &Division<'_>,
+    followed: Followed<'_>,
     options: &RenderOptions,
     film: &mut Film,
     layers: u32,
@@ -112,7 +125,7 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         let first = options.first_sample;
         let layer = first.wrapping_add(film.pixel(0, 0).count);
         let sorted = match photons_of_layer(
-            view, settings, division, options, layer, density, &idle, stop, &new,
+            view, settings, followed, options, layer, density, &idle, stop, &new,
         ) {
             Photons::Interrupted => return PassEnd::Cut,
             Photons::None => None,
@@ -129,6 +142,13 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
             },
             states: sorted.states(),
         });
+        let edited = photons
+            .as_ref()
+            .zip(sorted.as_ref())
+            .map(|(photons, sorted)| EditedPhotons {
+                photons: photons.photons,
+                states: sorted.edit_states(),
+            });
         let mut algorithm = Bidirectional::new(&view.tables, settings);
         if merges {
             algorithm = algorithm.merging(radius, emitted, density);
@@ -155,9 +175,10 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     view,
                     settings,
                     &algorithm,
-                    division,
+                    followed,
                     photons,
                     radii.as_deref(),
+                    edited.as_ref(),
                     &mut samples,
                 ))
             })
@@ -184,7 +205,7 @@ enum Photons {
 fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
-    division: &Division<'_>,
+    followed: Followed<'_>,
     options: &RenderOptions,
     layer: u32,
     density: PhotonDensity<'_>,
@@ -192,7 +213,7 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
     stop: &Stop<'_>,
     new: &(impl Fn(u32, u32, u32) -> S + Sync),
 ) -> Photons {
-    let expressions = Some(division.expressions);
+    let expressions = followed.division.map(|division| division.expressions);
     let sorted = match settings.kind {
         integrator_kind::VERTEX_MERGING => trace_photons(
             view,
@@ -201,6 +222,7 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
             layer,
             density,
             expressions,
+            followed.edits.copied(),
             idle,
             stop,
             new,
@@ -210,6 +232,7 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
                 view,
                 tracer: Progressive::new(&view.tables, settings).tracer(),
                 expressions,
+                edits: None,
                 emitted: light_walks(&view.tables, settings),
                 seed: options.seed,
                 index: layer,
@@ -226,27 +249,30 @@ fn sample_rows<T: Traverse, S: LaneSampler>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     algorithm: &Bidirectional<'_>,
-    division: &Division<'_>,
+    followed: Followed<'_>,
     photons: Option<DividedPhotons<'_>>,
     radii: Option<&[f32]>,
+    edited: Option<&EditedPhotons<'_>>,
     samples: &mut [super::bidirectional_job::TileSample<S>],
 ) -> Found {
-    let images = 1 + division.count;
+    let (first, count) = followed.division.map_or((0, 0), |d| (d.first, d.count));
+    let images = 1 + count;
     let mut found = Found {
         radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
         splats: vec![Vec::new(); images],
     };
     let mut vertices = Vertices::default();
     let mut states = States::default();
-    let expressions = division.expressions;
+    let expressions = followed.division.map(|division| division.expressions);
     for (i, sample) in samples.iter_mut().enumerate() {
         let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
         vertices.clear();
-        let add = |contribution: halflight_kernel::path::Contribution, shares: &Shares| {
+        let mut add = |contribution: Contribution, shares: &Shares| {
             for image in 0..images {
-                let value = match image {
-                    0 => counted(&expressions, shares, contribution.value),
-                    part => contribution.value * shares.of(division.first + part - 1),
+                let value = match (image, &expressions) {
+                    (_, None) => contribution.value,
+                    (0, Some(expressions)) => counted(expressions, shares, contribution.value),
+                    (part, _) => contribution.value * shares.of(first + part - 1),
                 };
                 if !(value.max_element() > 0.0) {
                     continue;
@@ -261,7 +287,9 @@ fn sample_rows<T: Traverse, S: LaneSampler>(
                 }
             }
         };
-        if let (integrator_kind::PROGRESSIVE_PHOTONS, Some(photons)) = (settings.kind, &photons) {
+        if let (integrator_kind::PROGRESSIVE_PHOTONS, Some(photons), Some(expressions)) =
+            (settings.kind, &photons, &expressions)
+        {
             let algorithm = Progressive::new(&view.tables, settings);
             let mut photons = *photons;
             if let Some(radii) = radii {
@@ -270,7 +298,7 @@ fn sample_rows<T: Traverse, S: LaneSampler>(
             sample_among_photons(
                 view,
                 &algorithm,
-                &expressions,
+                expressions,
                 &photons,
                 &mut sample.camera,
                 &seen,
@@ -280,19 +308,58 @@ fn sample_rows<T: Traverse, S: LaneSampler>(
             continue;
         }
         let connector = &algorithm.connector;
-        let mut divided =
-            DividedSample::new(view, connector, expressions, photons, &mut states, add);
-        sample_watched(
-            view,
-            algorithm,
-            &mut sample.light,
-            &mut sample.camera,
-            &seen,
-            &mut vertices,
-            &mut divided,
-        );
+        match expressions {
+            Some(expressions) => {
+                let mut divided =
+                    DividedSample::new(view, connector, expressions, photons, &mut states, add);
+                follow(
+                    view,
+                    algorithm,
+                    followed,
+                    edited,
+                    sample,
+                    &seen,
+                    &mut vertices,
+                    &mut divided,
+                );
+            }
+            None => {
+                let add = |contribution: Contribution| add(contribution, &Shares::NONE);
+                let mut unshadowed = Unshadowed::new(view, settings.rules, add);
+                follow(
+                    view,
+                    algorithm,
+                    followed,
+                    edited,
+                    sample,
+                    &seen,
+                    &mut vertices,
+                    &mut unshadowed,
+                );
+            }
+        }
     }
     found
+}
+
+/// Takes one sample, with edits if there are any.
+fn follow<T: Traverse, S: LaneSampler>(
+    view: &SceneView<'_, T>,
+    algorithm: &Bidirectional<'_>,
+    followed: Followed<'_>,
+    photons: Option<&EditedPhotons<'_>>,
+    sample: &mut super::bidirectional_job::TileSample<S>,
+    seen: &CameraSample,
+    vertices: &mut Vertices,
+    watcher: &mut impl Watcher,
+) {
+    let (light, camera) = (&mut sample.light, &mut sample.camera);
+    match followed.edits {
+        Some(edits) => retargeted::bidirectional::sample_watched(
+            view, algorithm, edits, photons, light, camera, seen, vertices, watcher,
+        ),
+        None => sample_watched(view, algorithm, light, camera, seen, vertices, watcher),
+    }
 }
 
 /// Adds a layer to the film.

@@ -75,6 +75,7 @@ impl FirstRadii {
             view,
             tracer: algorithm.tracer(),
             expressions: None,
+            edits: None,
             emitted,
             seed,
             index: 0,

@@ -93,6 +93,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
             view,
             tracer: algorithm.tracer(),
             expressions: None,
+            edits: None,
             emitted: light_walks(&view.tables, settings),
             seed: self.seed,
             index: self.index,

@@ -9,9 +9,11 @@
 
 use glam::Vec3;
 use halflight_kernel::path::PathStates;
+use halflight_kernel::path::retarget_states::EditStates;
 use halflight_kernel::transport::photon::cache::{LEVELS, Photon, PhotonCache, PhotonGrid};
 use halflight_kernel::transport::photon::divided::DividedStore;
 use halflight_kernel::transport::photon::tracing::PhotonStore;
+use halflight_kernel::transport::retargeted::bidirectional::EditedStore;
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator,
 };
@@ -40,15 +42,39 @@ pub struct PhotonList {
     pub photons: Vec<Photon>,
     /// States of their walks, where path expressions divide the image: those that [`Photon::beside`] names.
     pub states: Vec<PathStates>,
+    /// The same where edits turn light, each but once among neighbours.
+    pub edit_states: Vec<EditStates>,
+    /// Which of those the next photon names.
+    edited: u32,
 }
+
+/// So many of the last states are looked through for equal ones: most walks share them.
+const NEIGHBOURS: usize = 16;
 
 impl PhotonStore for PhotonList {
     fn push(&mut self, position: Vec3, photon: &Photon) {
+        let beside = if self.edit_states.is_empty() {
+            self.states.len().saturating_sub(1) as u32
+        } else {
+            self.edited
+        };
         self.positions.push(position.to_array());
-        self.photons.push(Photon {
-            beside: self.states.len().saturating_sub(1) as u32,
-            ..*photon
-        });
+        self.photons.push(Photon { beside, ..*photon });
+    }
+}
+
+impl EditedStore for PhotonList {
+    fn set_states(&mut self, states: &EditStates) {
+        let count = self.edit_states.len();
+        let first = count.saturating_sub(NEIGHBOURS);
+        let found = self.edit_states[first..].iter().position(|s| s == states);
+        self.edited = match found {
+            Some(i) => first + i,
+            None => {
+                self.edit_states.push(*states);
+                count
+            }
+        } as u32;
     }
 }
 
@@ -76,6 +102,7 @@ pub struct SortedPhotons {
     positions: Vec<[f32; 3]>,
     photons: Vec<Photon>,
     states: Vec<PathStates>,
+    edit_states: Vec<EditStates>,
 }
 
 /// A piece of the photons, sorted by their leading bits.
@@ -119,13 +146,18 @@ impl SortedPhotons {
                 .flat_map(|list| &list.states)
                 .copied()
                 .collect(),
+            edit_states: lists
+                .iter()
+                .flat_map(|list| &list.edit_states)
+                .copied()
+                .collect(),
         };
         let mut first = 0;
         let first_states: Vec<u32> = lists
             .iter()
             .map(|list| {
                 let own = first;
-                first += list.states.len() as u32;
+                first += list.states.len().max(list.edit_states.len()) as u32;
                 own
             })
             .collect();
@@ -182,6 +214,11 @@ impl SortedPhotons {
         &self.states
     }
 
+    /// The same where edits turn light.
+    pub fn edit_states(&self) -> &[EditStates] {
+        &self.edit_states
+    }
+
     /// Bytes that it takes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.starts.as_slice())
@@ -189,6 +226,7 @@ impl SortedPhotons {
             + size_of_val(self.positions.as_slice())
             + size_of_val(self.photons.as_slice())
             + size_of_val(self.states.as_slice())
+            + size_of_val(self.edit_states.as_slice())
     }
 }
 

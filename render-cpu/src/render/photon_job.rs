@@ -6,6 +6,7 @@ use super::bidirectional_job::{Shadows, TileSample, TileSamples};
 use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::photon_cache::PhotonList;
 use glam::Vec3;
+use halflight_kernel::path::retarget_states::{EditStates, Edits};
 use halflight_kernel::path::{Interaction, PathExpressions, PathStates, ShadingPoint, Walk};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
@@ -16,7 +17,7 @@ use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::Progressive;
 use halflight_kernel::transport::photon::statistics::PhotonPass;
 use halflight_kernel::transport::photon::tracing::PhotonTracer;
-use halflight_kernel::transport::{IntegratorSettings, camera_ray};
+use halflight_kernel::transport::{IntegratorSettings, camera_ray, retargeted};
 
 /// Light walks that are traced together.
 pub(super) const WALKS: u32 = RAYS as u32;
@@ -61,10 +62,12 @@ impl PhotonWorkspace {
         view: &SceneView<'_, T>,
         tracer: &PhotonTracer<'_>,
         expressions: Option<&PathExpressions<'_>>,
+        edits: Option<&Edits<'_>>,
         samplers: &mut [S],
     ) -> PhotonList {
         let mut list = PhotonList::default();
         let mut states = Vec::new();
+        let mut edited = Vec::new();
         self.walks.clear();
         for sampler in samplers.iter_mut() {
             let start = tracer.emit(sampler);
@@ -72,23 +75,39 @@ impl PhotonWorkspace {
             if let Some(expressions) = expressions {
                 states.push(PathStates::at_emitter(expressions, start.emitter));
             }
+            if let Some(edits) = edits {
+                edited.push(EditStates::at_emitter(edits, start.emitter));
+            }
         }
         while !self.walks.is_done() {
             let site = &mut *self.site;
-            self.walks.bounce(view, |i, walk, hit| match expressions {
-                None => tracer.light_bounce(walk, &mut samplers[i], hit, site, &mut list),
-                Some(expressions) => divided_light_bounce(
-                    tracer,
-                    &view.tables,
-                    expressions,
-                    walk,
-                    &mut states[i],
-                    &mut samplers[i],
-                    hit,
-                    site,
-                    &mut list,
-                ),
-            });
+            self.walks
+                .bounce(view, |i, walk, hit| match (expressions, edits) {
+                    (_, Some(edits)) => retargeted::bidirectional::light_bounce(
+                        tracer,
+                        edits,
+                        walk,
+                        &mut edited[i],
+                        &mut samplers[i],
+                        hit,
+                        site,
+                        &mut list,
+                    ),
+                    (None, None) => {
+                        tracer.light_bounce(walk, &mut samplers[i], hit, site, &mut list)
+                    }
+                    (Some(expressions), None) => divided_light_bounce(
+                        tracer,
+                        &view.tables,
+                        expressions,
+                        walk,
+                        &mut states[i],
+                        &mut samplers[i],
+                        hit,
+                        site,
+                        &mut list,
+                    ),
+                });
         }
         list
     }

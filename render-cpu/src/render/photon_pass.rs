@@ -4,6 +4,7 @@ use super::photon_cache::{PhotonList, SortedPhotons};
 use super::photon_job::{PhotonWorkspace, WALKS};
 use super::stop::Stop;
 use halflight_kernel::path::PathExpressions;
+use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -42,6 +43,8 @@ pub(super) struct PhotonTask<'a, T: Traverse> {
     pub tracer: PhotonTracer<'a>,
     /// What divides the image, if anything.
     pub expressions: Option<PathExpressions<'a>>,
+    /// The edits of its light transport, if there are any.
+    pub edits: Option<Edits<'a>>,
     /// Light walks.
     pub emitted: u32,
     /// Seed of the run.
@@ -72,7 +75,9 @@ impl<T: Traverse + Sync> PhotonTask<'_, T> {
                     .collect();
                 Some(idle.with(|workspace| {
                     let expressions = self.expressions.as_ref();
-                    workspace.trace_photons(self.view, &self.tracer, expressions, &mut samplers)
+                    let edits = self.edits.as_ref();
+                    let tracer = &self.tracer;
+                    workspace.trace_photons(self.view, tracer, expressions, edits, &mut samplers)
                 }))
             })
             .collect();

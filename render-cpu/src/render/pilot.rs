@@ -86,6 +86,7 @@ impl PilotDensity {
             view,
             tracer: merging_tracer(&algorithm.connector),
             expressions: None,
+            edits: None,
             emitted,
             seed: seed ^ PILOT_STREAM,
             index: 0,

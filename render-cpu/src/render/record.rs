@@ -38,6 +38,9 @@ pub fn run_settings(path: &Path, scene: &Scene, options: &RenderOptions, aovs: A
     for (name, value) in scene.parts.settings() {
         set(&name, value);
     }
+    for (name, value) in scene.edits.settings() {
+        set(&name, value);
+    }
     set("sampler", sampler_name(scene.sampler).to_string());
     set(SEED, options.seed.to_string());
     set(FIRST_SAMPLE, options.first_sample.to_string());

@@ -18,6 +18,7 @@ use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
 use glam::Vec3;
+use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::path::{PathExpressions, PhotonDensity};
 use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{LaneSampler, mix};
@@ -85,6 +86,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     options,
                     layer,
                     density,
+                    None,
                     None,
                     &idle_tracers,
                     stop,
@@ -177,6 +179,7 @@ pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     layer: u32,
     density: PhotonDensity<'_>,
     expressions: Option<PathExpressions<'_>>,
+    edits: Option<Edits<'_>>,
     idle: &Idle,
     stop: &Stop<'_>,
     new: &(impl Fn(u32, u32, u32) -> S + Sync),
@@ -190,6 +193,7 @@ pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
         view,
         tracer: merging_tracer(&algorithm.connector),
         expressions,
+        edits,
         emitted,
         seed: options.seed,
         index: layer,

@@ -11,6 +11,8 @@ use super::stop::Stop;
 use crate::film::FilmTile;
 use crate::film::aov::AovSample;
 use glam::Vec3;
+use halflight_kernel::path::expression::MAX_PARTS;
+use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{LaneSampler, Sampler};
 use halflight_kernel::scene::SceneView;
@@ -18,7 +20,7 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::simd::SimdLevel;
 use halflight_kernel::transport::divided::DividedPath;
 use halflight_kernel::transport::wavefront::{WaveDivision, Wavefront};
-use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
+use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind, retargeted};
 
 /// Slots for paths side by side: enough for whole vectors of every class, few enough that their state stays in the second
 /// cache. A row of them takes an odd number of cache lines, so that the same slot of many rows does not compete for the same
@@ -38,6 +40,8 @@ pub struct TileJob<'a, T: Traverse> {
     pub options: &'a RenderOptions,
     /// What the image is divided by, if anything.
     pub division: Option<Division<'a>>,
+    /// The edits of its light transport, if there are any.
+    pub edits: Option<Edits<'a>>,
     /// Whether layers of surface features are wanted.
     pub needs_surface: bool,
     /// When to leave a tile.
@@ -110,6 +114,16 @@ impl<T: Traverse> TileJob<'_, T> {
                     .wrapping_add(tile.pixel_mut(x, y).statistics.count);
                 let new = |i: u32| new(self.options.seed, index, first.wrapping_add(i));
                 let count = count(x, y);
+                if let Some(edits) = &self.edits {
+                    for i in 0..count {
+                        if i % SAMPLES_BETWEEN_LOOKS == 0 && self.stop.is_set() {
+                            return PassEnd::Cut;
+                        }
+                        self.add_edited(tile, [x, y], edits, new(i));
+                    }
+                    self.stop.took(count as usize);
+                    continue;
+                }
                 if self.settings.kind != integrator_kind::PATH {
                     for i in 0..count {
                         if i % SAMPLES_BETWEEN_LOOKS == 0 && self.stop.is_set() {
@@ -156,6 +170,36 @@ impl<T: Traverse> TileJob<'_, T> {
         }
         self.finish(tile, workspace);
         PassEnd::Complete
+    }
+
+    /// Adds a sample of path tracing with edits.
+    fn add_edited<S: LaneSampler>(
+        &self,
+        tile: &mut FilmTile<'_>,
+        [x, y]: [u32; 2],
+        edits: &Edits<'_>,
+        sampler: S,
+    ) {
+        let mut parts = [Vec3::ZERO; MAX_PARTS];
+        let expressions = self.division.as_ref().map(|d| &d.expressions);
+        let count = expressions.map_or(0, |e| e.count as usize);
+        let radiance = retargeted::path::sample_pixel(
+            self.view,
+            self.settings,
+            edits,
+            expressions,
+            &mut sampler.clone(),
+            self.pixel(x, y),
+            &mut parts[..count],
+        );
+        let mut pixel = tile.pixel_mut(x, y);
+        pixel.add_sample(radiance);
+        if let Some(division) = &self.division {
+            pixel.add_parts(radiance, &parts[division.first..count]);
+        }
+        if self.needs_surface {
+            self.add_surface(tile, [x, y], sampler);
+        }
     }
 
     /// The regularisation of the sample with an index.

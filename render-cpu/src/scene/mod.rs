@@ -7,6 +7,7 @@
 pub mod build;
 pub mod color;
 pub mod daylight;
+pub mod edits;
 pub mod error;
 pub mod ior;
 pub mod kept_files;

@@ -88,6 +88,7 @@ fn classes_that_partition_all_paths_add_up_to_the_image() {
         integrator_kind::PROGRESSIVE_PHOTONS,
         integrator_kind::VERTEX_MERGING,
         integrator_kind::VEACH_MLT,
+        integrator_kind::PRIMARY_SAMPLE_MLT,
     ] {
         let scene = divided(kind, &CLASSES, None);
         let samples = if shape(kind) == Shape::Pixels { 16 } else { 4 };
@@ -171,6 +172,7 @@ fn algorithms_agree_on_every_class() {
         (integrator_kind::BIDIRECTIONAL, 32, 1e-3),
         (integrator_kind::LIGHT_TRACING, 96, 1e-3),
         (integrator_kind::VEACH_MLT, 2, 1e-3),
+        (integrator_kind::PRIMARY_SAMPLE_MLT, 2, 1e-3),
         // Photons are gathered from around a point.
         (integrator_kind::VERTEX_MERGING, 16, 0.01),
         (integrator_kind::PROGRESSIVE_PHOTONS, 16, 0.02),

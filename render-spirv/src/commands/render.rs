@@ -34,12 +34,18 @@ pub fn run(args: &GpuRenderArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error 
     if !args.render.estimator.expressions.request().is_empty() {
         return Err("--lpe and --only are for the processor: use halflight render".into());
     }
+    if args.render.scene.edit.is_some() {
+        return Err("--edit is for the processor: use halflight render".into());
+    }
     // Before the scene is read, which may take a while.
     let device = args.device.open()?;
     if let Some(bytes) = args.simulate_memory {
         device.limit_memory(bytes);
     }
     let code = run_with(&args.render, quiet, |job, film, state, stop, observer| {
+        if !job.scene.edits.is_empty() {
+            return Err("edits of a scene are for the processor: use halflight render".into());
+        }
         if !quiet {
             let name = &device.description().name;
             let first = if device.has_compiled_shaders() {

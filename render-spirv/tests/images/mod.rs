@@ -27,6 +27,8 @@ pub fn load(
         integrator: integrator.map(String::from),
         sampler: None,
         sensor: 0,
+        edit: None,
+        edit_time: 0.0,
         strict: false,
     };
     args.load()

@@ -82,6 +82,7 @@ impl<'a> Bidirectional<'a> {
                     only_s: own.only_s,
                     only_t: if traces_light { 1 } else { own.only_t },
                     unweighted: traces_light || own.unweighted != 0,
+                    meets_lens: true,
                 },
                 photons: PhotonDensity::unknown(tables),
                 regularization: Regularization::NONE,

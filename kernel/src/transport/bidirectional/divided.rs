@@ -180,7 +180,7 @@ impl<T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)> Watcher
     }
 
     fn scattered(&mut self, walk: &Walk, at: &Interaction<'_>) -> bool {
-        let wo = at.point.frame.to_local(walk.subpath.ray.direction);
+        let wo = at.effective(walk.subpath.ray.direction);
         let data = self.view.tables.data;
         let scattered = Scattered::sampled(at.bsdf, data, at.wi, wo, walk.event);
         let expressions = &self.expressions;

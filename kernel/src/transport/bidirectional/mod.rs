@@ -25,4 +25,4 @@ mod sample;
 
 pub use algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
 pub use divided::{DividedPhotons, DividedSample, StateStore, counted};
-pub use sample::{Lent, Watcher, sample, sample_watched};
+pub use sample::{Lent, Unshadowed, Watcher, sample, sample_watched};

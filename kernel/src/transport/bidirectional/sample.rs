@@ -39,7 +39,7 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     add: impl FnMut(Contribution),
 ) {
     let rules = settings.rules;
-    let mut watcher = Unshadowed { view, rules, add };
+    let mut watcher = Unshadowed::new(view, rules, add);
     let algorithm = Bidirectional::new(&view.tables, settings);
     sample_watched(
         view,
@@ -175,10 +175,17 @@ impl<W: Contributions> Contributions for Lent<'_, '_, W> {
 }
 
 /// Hands on what does not lie in shadow, and watches nothing else.
-struct Unshadowed<'a, 'b, T: Traverse, F> {
+pub struct Unshadowed<'a, 'b, T: Traverse, F> {
     view: &'a SceneView<'b, T>,
     rules: PathRules,
     add: F,
+}
+
+impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Unshadowed<'a, 'b, T, F> {
+    /// By the rules of the algorithm; `add` takes what is left of each contribution.
+    pub fn new(view: &'a SceneView<'b, T>, rules: PathRules, add: F) -> Unshadowed<'a, 'b, T, F> {
+        Unshadowed { view, rules, add }
+    }
 }
 
 impl<T: Traverse, F: FnMut(Contribution)> Contributions for Unshadowed<'_, '_, T, F> {

@@ -11,8 +11,9 @@ use crate::bsdf::null_transmittance;
 use crate::math::{Rgb, float};
 use crate::path::rules::step;
 use crate::path::visibility::{contribution_transmittance, has_masks};
-use crate::path::{Connector, Contribution, LightEnd, ShadingPoint, Walk};
+use crate::path::{Connector, Contribution, LightEnd, ShadingPoint, Shares, Walk};
 use crate::sampler::Sampler;
+use crate::scene::camera::CameraSample;
 use crate::scene::emitter::emission::EmissionSample;
 use crate::scene::{Hit, NONE, Traverse};
 use crate::transport::bidirectional::Bidirectional;
@@ -29,15 +30,17 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         &self,
         light: &mut S,
         sensor: &mut S,
-        camera_walk: Walk,
-        add: &mut impl FnMut(Contribution),
+        seen: &CameraSample,
+        add: &mut impl FnMut(Contribution, &Shares),
     ) {
         let u_length = sensor.fixed_1d();
         let u_strategy = sensor.next_1d();
         let (edges, p_edges) = choose_edges(u_length, self.settings.rules.max_depth);
         let mut settings = *self.settings;
         settings.rules.max_depth = edges;
-        let algorithm = Bidirectional::new(&self.view.tables, &settings);
+        let mut algorithm = Bidirectional::new(&self.view.tables, &settings);
+        // Walks that are followed among edits do not meet the lens.
+        algorithm.connector.strategies.meets_lens = !self.is_edited();
         let connector = &algorithm.connector;
         // Strategies that cannot be are not chosen.
         let first_t = if connector
@@ -55,12 +58,23 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         let choice = (u_strategy * count as f32) as u32;
         let t = first_t + if choice < count { choice } else { count - 1 };
         let s = edges + 1 - t;
+        if self.follows() {
+            let factor = count as f32 / p_edges;
+            algorithm.connector.strategies.only_s = s;
+            algorithm.connector.strategies.only_t = t;
+            self.follow_both(&algorithm, light, sensor, seen, |found, shares| {
+                let value = found.value * factor;
+                add(Contribution { value, ..found }, shares);
+            });
+            return;
+        }
+        let camera_walk = Walk::from_sensor(seen);
         let found = self.complete(&algorithm, s, t, light, sensor, camera_walk);
         if found.is_some() {
             let value = found.value
                 * contribution_transmittance(self.view, &connector.rules, &found)
                 * (count as f32 / p_edges);
-            add(Contribution { value, ..found });
+            add(Contribution { value, ..found }, &Shares::NONE);
         }
     }
 

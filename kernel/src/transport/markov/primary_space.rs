@@ -6,17 +6,28 @@
 //! | [`technique::BIDIRECTIONAL`] | what all strategies of bidirectional path tracing find, each weighted |
 //! | [`technique::MULTIPLEXED`] | what one strategy finds, weighted, times the inverse probability of its choice (`multiplexed.rs`) |
 //!
-//! The film position is even over the window; values are for one sample per pixel of it.
+//! The film position is even over the window; values are for one sample per pixel of it. Where path expressions divide the image,
+//! F has an image for each of its parts, which I does not count; where edits turn light, paths are those of
+//! [`crate::transport::retargeted`]. Multiplexed chains then follow both walks and keep what the chosen strategy finds.
 
 use super::state::State;
 use crate::bsdf::Bsdf;
+use crate::math::{Ray, Rgb};
+use crate::path::expression::MAX_PARTS;
+use crate::path::retarget_states::Edits;
 use crate::path::rules::step;
-use crate::path::{Contribution, PathVertex, Walk};
+use crate::path::{Contribution, PathExpressions, PathStates, PathVertex, Shares};
 use crate::sampler::{FreshSamples, PrimarySamples, Sampler};
+use crate::scene::camera::CameraSample;
 use crate::scene::{NONE, SceneView, Traverse, camera};
-use crate::transport::bidirectional::{VertexStore, sample};
+use crate::transport::bidirectional::{
+    Bidirectional, DividedSample, StateStore, Unshadowed, VertexStore, Watcher, sample,
+    sample_watched,
+};
 use crate::transport::bounce::{Rays, shade};
+use crate::transport::divided::DividedPath;
 use crate::transport::path::{Path, SinglePath};
+use crate::transport::retargeted;
 use crate::transport::settings::IntegratorSettings;
 use arrayvec::ArrayVec;
 use glam::Vec2;
@@ -61,6 +72,10 @@ pub struct PrimarySpace<'a, T: Traverse> {
     technique: u32,
     /// Fewest edges of a path that counts: shorter ones are somebody else's.
     min_edges: u32,
+    /// What the image is divided by.
+    expressions: Option<PathExpressions<'a>>,
+    /// The edits of its light transport.
+    edits: Option<Edits<'a>>,
 }
 
 impl<T: Traverse> Clone for PrimarySpace<'_, T> {
@@ -73,6 +88,25 @@ impl<T: Traverse> Copy for PrimarySpace<'_, T> {}
 
 #[derive(Default)]
 struct Vertices(ArrayVec<PathVertex, MAX_VERTICES>);
+
+/// The states along a light walk.
+#[derive(Default)]
+struct States(ArrayVec<PathStates, MAX_VERTICES>);
+
+impl StateStore for States {
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn push(&mut self, states: &PathStates) {
+        // A walk of more vertices matches nothing.
+        let _ = self.0.try_push(*states);
+    }
+
+    fn get(&self, index: usize) -> PathStates {
+        self.0.get(index).copied().unwrap_or(PathStates::DEAD)
+    }
+}
 
 impl VertexStore for Vertices {
     fn push(&mut self, vertex: &PathVertex) -> u32 {
@@ -101,7 +135,27 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
             settings,
             technique,
             min_edges,
+            expressions: None,
+            edits: None,
         }
+    }
+
+    /// With an image for each path expression beside the whole, and with edits. Where nothing counts but the paths of the first
+    /// expression, those are the image, and the others follow.
+    #[must_use]
+    pub fn following(
+        mut self,
+        expressions: Option<PathExpressions<'a>>,
+        edits: Option<Edits<'a>>,
+    ) -> Self {
+        self.expressions = expressions;
+        self.edits = edits;
+        self
+    }
+
+    /// Whether paths are followed vertex by vertex.
+    pub(super) fn follows(&self) -> bool {
+        self.expressions.is_some() || self.edits.is_some()
     }
 
     /// F of the numbers.
@@ -118,19 +172,46 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
         });
         let seen = camera::sample_through(&self.view.tables, Vec2::new(x, y), u_lens);
         let min_edges = self.min_edges;
-        let mut add = |found: Contribution| {
-            if found.s + found.t > min_edges {
-                if found.is_splat() {
-                    state.add(found.film, found.value);
-                } else {
-                    state.add(seen.film, found.value * seen.weight);
+        let expressions = self.expressions;
+        let mut add = |found: Contribution, shares: &Shares| {
+            if found.s + found.t <= min_edges {
+                return;
+            }
+            let (film, value) = if found.is_splat() {
+                (found.film, found.value)
+            } else {
+                (seen.film, found.value * seen.weight)
+            };
+            let Some(expressions) = &expressions else {
+                state.add(film, value);
+                return;
+            };
+            if expressions.only == 0 {
+                state.add(film, value);
+            }
+            for part in 0..expressions.count {
+                let own = value * shares.of(part as usize);
+                match part + 1 - expressions.only {
+                    0 => state.add(film, own),
+                    image => state.add_part(film, own, image),
                 }
             }
         };
         if self.technique == technique::PATH {
-            self.path(sensor, Path::new(&seen.ray), &mut add);
+            if let Some(edits) = &self.edits {
+                self.edited_path(edits, sensor, &seen.ray, &mut add);
+            } else if let Some(expressions) = &expressions {
+                self.divided_path(expressions, sensor, &seen.ray, &mut add);
+            } else {
+                let mut add = |found: Contribution| add(found, &Shares::NONE);
+                self.path(sensor, Path::new(&seen.ray), &mut add);
+            }
+        } else if self.technique == technique::BIDIRECTIONAL && self.follows() {
+            let algorithm = Bidirectional::new(&self.view.tables, self.settings);
+            self.follow_both(&algorithm, light, sensor, &seen, add);
         } else if self.technique == technique::BIDIRECTIONAL {
             let mut store = Vertices::default();
+            let mut add = |found: Contribution| add(found, &Shares::NONE);
             sample(
                 self.view,
                 self.settings,
@@ -141,7 +222,132 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
                 &mut add,
             );
         } else {
-            self.one_strategy(light, sensor, Walk::from_sensor(&seen), &mut add);
+            self.one_strategy(light, sensor, &seen, &mut add);
+        }
+    }
+
+    /// Whether there are edits.
+    pub(super) fn is_edited(&self) -> bool {
+        self.edits.is_some()
+    }
+
+    /// What both walks and their connections find, followed vertex by vertex.
+    pub(super) fn follow_both<S: Sampler>(
+        &self,
+        algorithm: &Bidirectional<'_>,
+        light: &mut S,
+        sensor: &mut S,
+        seen: &CameraSample,
+        mut add: impl FnMut(Contribution, &Shares),
+    ) {
+        let mut states = States::default();
+        if let Some(expressions) = self.expressions {
+            let connector = &algorithm.connector;
+            let mut watcher =
+                DividedSample::new(self.view, connector, expressions, None, &mut states, add);
+            self.watch(algorithm, light, sensor, seen, &mut watcher);
+        } else {
+            let add = |found: Contribution| add(found, &Shares::NONE);
+            let mut watcher = Unshadowed::new(self.view, algorithm.connector.rules, add);
+            self.watch(algorithm, light, sensor, seen, &mut watcher);
+        }
+    }
+
+    fn watch<S: Sampler>(
+        &self,
+        algorithm: &Bidirectional<'_>,
+        light: &mut S,
+        sensor: &mut S,
+        seen: &CameraSample,
+        watcher: &mut impl Watcher,
+    ) {
+        let mut store = Vertices::default();
+        match &self.edits {
+            Some(edits) => retargeted::bidirectional::sample_watched(
+                self.view, algorithm, edits, None, light, sensor, seen, &mut store, watcher,
+            ),
+            None => sample_watched(
+                self.view, algorithm, light, sensor, seen, &mut store, watcher,
+            ),
+        }
+    }
+
+    fn edited_path<S: Sampler>(
+        &self,
+        edits: &Edits<'_>,
+        sampler: &mut S,
+        ray: &Ray,
+        add: &mut impl FnMut(Contribution, &Shares),
+    ) {
+        let expressions = self.expressions.as_ref();
+        let rules = self.settings.rules;
+        retargeted::path::radiance(
+            self.view,
+            rules,
+            edits,
+            expressions,
+            sampler,
+            ray,
+            |found, read| {
+                let shares = expressions.map_or(Shares::NONE, |expressions| {
+                    read.reach_emitter(expressions, found.emitter)
+                });
+                let found = Contribution {
+                    value: found.value,
+                    s: found.s,
+                    t: found.t,
+                    ..Contribution::NONE
+                };
+                add(found, &shares);
+            },
+        );
+    }
+
+    /// [`PrimarySpace::path`] whose light is divided.
+    fn divided_path<S: Sampler>(
+        &self,
+        expressions: &PathExpressions<'_>,
+        sampler: &mut S,
+        ray: &Ray,
+        add: &mut impl FnMut(Contribution, &Shares),
+    ) {
+        let mut bsdf = Bsdf::BLACK;
+        let (rules, path) = (self.settings.rules, Path::new(ray));
+        let mut driver = SinglePath::new(self.view, rules, sampler, &mut bsdf, path);
+        let mut divided = DividedPath::NONE;
+        divided.begin(expressions);
+        let mut parts = [Rgb::ZERO; MAX_PARTS];
+        let parts = &mut parts[..expressions.count as usize];
+        while driver.next != step::END {
+            let subpath = driver.path.subpath;
+            let t = subpath.depth + 2;
+            let bounce = subpath.depth.saturating_add(subpath.crossings);
+            driver.sampler.start_bounce(bounce);
+            driver.trace();
+            shade(&mut driver);
+            for s in 0..2 {
+                divided.whole = Rgb::ZERO;
+                parts.fill(Rgb::ZERO);
+                if s == 0 {
+                    let direction = subpath.ray.direction;
+                    divided.shaded(expressions, &mut driver, direction, subpath.depth, parts);
+                } else {
+                    driver.trace_shadow_rays();
+                    let found = core::mem::take(&mut driver.path.radiance);
+                    if found.max_element() > 0.0 {
+                        divided.lit(expressions, found, parts);
+                    }
+                }
+                let found = Contribution {
+                    value: divided.whole,
+                    s,
+                    t,
+                    ..Contribution::NONE
+                };
+                if found.is_some() {
+                    add(found, &Shares::of_parts(found.value, parts));
+                }
+            }
         }
     }
 

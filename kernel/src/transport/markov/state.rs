@@ -42,7 +42,7 @@ impl State {
             return;
         }
         match self.splats.first_mut() {
-            Some(first) if first.film == film => first.value += value,
+            Some(first) if first.film == film && first.image == 0 => first.value += value,
             _ => {
                 let splat = Splat {
                     film,
@@ -55,6 +55,22 @@ impl State {
             }
         }
         self.luminance += light;
+    }
+
+    /// Adds light to one of the images of parts, which I does not count.
+    #[inline]
+    pub fn add_part(&mut self, film: Vec2, value: Rgb, image: u32) {
+        if !(value.max_element() > 0.0) || !value.is_finite() {
+            return;
+        }
+        let is_same = |splat: &&mut Splat| splat.image == image && splat.film == film;
+        match self.splats.iter_mut().find(is_same) {
+            Some(splat) => splat.value += value,
+            None => {
+                // As in [`State::add`].
+                let _ = self.splats.try_push(Splat { film, value, image });
+            }
+        }
     }
 
     /// I: the luminance of all that it adds.
@@ -79,7 +95,7 @@ impl State {
             add(Splat {
                 film: splat.film,
                 value: splat.value * factor,
-                image: 0,
+                image: splat.image,
             });
         }
     }

@@ -39,7 +39,7 @@ pub fn divided_light_bounce<S: Sampler, P: DividedStore>(
     let next = tracer.light_bounce(walk, sampler, hit, site, store);
     if next == step::TRACE && walk.subpath.depth > depth {
         let at = site.interaction(direction);
-        let wo = at.point.frame.to_local(walk.subpath.ray.direction);
+        let wo = at.effective(walk.subpath.ray.direction);
         let scattered = Scattered::sampled(at.bsdf, tables.data, at.wi, wo, walk.event);
         let automaton = &expressions.from_light;
         *states = states.after(expressions, automaton, at.point, &scattered);

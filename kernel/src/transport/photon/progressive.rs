@@ -117,6 +117,7 @@ impl<'a> Progressive<'a> {
                     only_s: NONE,
                     only_t: NONE,
                     unweighted: false,
+                    meets_lens: true,
                 },
                 photons: PhotonDensity::unknown(tables),
                 regularization: Regularization::NONE,

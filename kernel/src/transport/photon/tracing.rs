@@ -52,8 +52,19 @@ impl PhotonTracer<'_> {
         if next != step::SCATTER {
             return next;
         }
-        let point = &site.point;
         let direction = walk.subpath.ray.direction;
+        let at = site
+            .interaction(direction)
+            .regularized(connector.regularization.tau, connector.regularization.flags);
+        self.leave(walk, &at, store);
+        let h = connector.heuristic_at(at.point.position);
+        walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
+    }
+
+    /// Keeps the photon of a walk where it has arrived, if a camera walk may gather it.
+    #[inline]
+    pub fn leave<P: PhotonStore>(&self, walk: &Walk, at: &Interaction<'_>, store: &mut P) {
+        let (point, direction) = (at.point, walk.subpath.ray.direction);
         let photon = Photon {
             direction: direction.to_array(),
             throughput: walk.subpath.throughput.to_array(),
@@ -63,14 +74,9 @@ impl PhotonTracer<'_> {
             depth: walk.subpath.depth + 1,
             beside: 0,
         };
-        let at = site
-            .interaction(direction)
-            .regularized(connector.regularization.tau, connector.regularization.flags);
-        if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(&at, &photon) {
+        if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(at, &photon) {
             store.push(point.position, &photon);
         }
-        let h = connector.heuristic_at(point.position);
-        walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
     }
 
     /// Whether a camera walk gathers photons at a surface: at rough ones all, at others those whose paths nothing else finds.

@@ -13,7 +13,7 @@
 mod group;
 
 use super::backend::PassEnd;
-use super::divided_layers::Division;
+use super::divided_layers::Followed;
 use super::options::{Goal, RenderOptions};
 use super::splat::SplatFilter;
 use super::stop::Stop;
@@ -33,7 +33,7 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::divided::sample_divided_pixel;
 use halflight_kernel::transport::markov::primary_space::PrimarySpace;
 use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains, VeachChains};
-use halflight_kernel::transport::{IntegratorSettings, integrator_kind, sample_pixel};
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind, retargeted, sample_pixel};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Rows that a thread adds to the film at a time.
@@ -88,7 +88,7 @@ impl MutationsPerPixel {
 pub fn render_groups<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
-    division: Option<Division<'_>>,
+    followed: Followed<'_>,
     options: &RenderOptions,
     film: &mut Film,
     groups: u32,
@@ -101,6 +101,8 @@ pub fn render_groups<T: Traverse + Sync>(
     let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
     let of_samples = (settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT).then(|| {
         let space = PrimarySpace::new(view, settings, own.technique, min_edges);
+        let expressions = followed.division.map(|division| division.expressions);
+        let space = space.following(expressions, followed.edits.copied());
         PrimaryChains::new(space, own.p_large, options.seed, first)
     });
     for group in first..first + groups {
@@ -110,14 +112,16 @@ pub fn render_groups<T: Traverse + Sync>(
         let is_complete = match &of_samples {
             Some(chains) => {
                 let chains = chains.of_group(group);
-                add_group(view, settings, None, options, film, group, &chains, stop)
+                add_group(
+                    view, settings, followed, options, film, group, &chains, stop,
+                )
             }
             None => {
                 let chains = VeachChains::new(view, settings, min_edges, options.seed, group);
+                let division = followed.division;
                 let chains = chains.divided(division.map(|division| division.expressions));
-                let division = division.as_ref();
                 add_group(
-                    view, settings, division, options, film, group, &chains, stop,
+                    view, settings, followed, options, film, group, &chains, stop,
                 )
             }
         };
@@ -132,7 +136,7 @@ pub fn render_groups<T: Traverse + Sync>(
 fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
-    division: Option<&Division<'_>>,
+    followed: Followed<'_>,
     options: &RenderOptions,
     film: &mut Film,
     group: u32,
@@ -159,7 +163,7 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     let offset = FreshSamples::new(options.seed ^ START_STREAM, group, 0).number(0);
     let filter = SplatFilter::new(&view.tables.camera);
     let with_steps = Aov::OF_CHAINS.iter().any(|aov| film.aovs().contains(*aov));
-    let images = 1 + division.map_or(0, |division| division.count);
+    let images = 1 + followed.division.map_or(0, |division| division.count);
     let Some(image) = group::run(
         algorithm, plan, offset, &filter, size, images, with_steps, stop,
     ) else {
@@ -175,7 +179,7 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     add_to_film(
         view,
         settings,
-        division,
+        followed,
         options,
         film,
         group,
@@ -189,7 +193,7 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
 fn add_to_film<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
-    division: Option<&Division<'_>>,
+    followed: Followed<'_>,
     options: &RenderOptions,
     film: &mut Film,
     group: u32,
@@ -225,25 +229,34 @@ fn add_to_film<T: Traverse + Sync>(
                     let number = group.wrapping_mul(direct).wrapping_add(i);
                     let seed = options.seed ^ DIRECT_STREAM;
                     let mut sampler = IndependentSampler::new(seed, index, number);
-                    let found = match division {
-                        None => sample_pixel(view, &direct_settings, &mut sampler, pixel),
-                        Some(division) => {
-                            let mut own = [Vec3::ZERO; MAX_PARTS];
-                            let own = &mut own[..division.expressions.count as usize];
-                            let found = sample_divided_pixel(
-                                view,
-                                &direct_settings,
-                                &division.expressions,
-                                &mut sampler,
-                                pixel,
-                                own,
-                            );
-                            for (part, own) in parts.iter_mut().zip(&own[division.first..]) {
-                                *part += *own / direct as f32;
-                            }
-                            found
-                        }
+                    let mut own = [Vec3::ZERO; MAX_PARTS];
+                    let expressions = followed.division.map(|division| &division.expressions);
+                    let own = &mut own[..expressions.map_or(0, |e| e.count as usize)];
+                    let found = match (followed.edits, expressions) {
+                        (Some(edits), _) => retargeted::path::sample_pixel(
+                            view,
+                            &direct_settings,
+                            edits,
+                            expressions,
+                            &mut sampler,
+                            pixel,
+                            own,
+                        ),
+                        (None, None) => sample_pixel(view, &direct_settings, &mut sampler, pixel),
+                        (None, Some(expressions)) => sample_divided_pixel(
+                            view,
+                            &direct_settings,
+                            expressions,
+                            &mut sampler,
+                            pixel,
+                            own,
+                        ),
                     };
+                    if let Some(division) = followed.division {
+                        for (part, own) in parts.iter_mut().zip(&own[division.first..]) {
+                            *part += *own / direct as f32;
+                        }
+                    }
                     value += found / direct as f32;
                 }
                 let mut entry = band.pixel_mut(x, y);

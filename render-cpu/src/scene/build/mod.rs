@@ -7,6 +7,7 @@ mod builder;
 mod capabilities;
 mod chain_settings;
 mod daylight;
+mod edits;
 mod emitter;
 mod film;
 mod film_format;
@@ -22,12 +23,13 @@ mod texture;
 
 use crate::expression::{PartsError, PartsRequest, PathParts, SceneNames};
 use crate::film::aov::AovSet;
-use crate::integrators::divides_paths;
+use crate::integrators::{divides_paths, turns_paths};
+use crate::scene::edits::SceneEdits;
 use crate::scene::error::{SceneError, Warning};
 use crate::scene::tables::SceneTables;
 use crate::scene::xml::unused::warn_unused;
 use crate::scene::xml::{Object, ObjectKind, ParsedScene};
-use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use std::sync::Arc;
 
 use builder::Builder;
@@ -43,6 +45,8 @@ pub struct Scene {
     pub names: SceneNames,
     /// The parts into which path expressions divide its image.
     pub parts: PathParts,
+    /// Edits of its light transport.
+    pub edits: SceneEdits,
     /// Which algorithm, with its parameters.
     pub settings: IntegratorSettings,
     /// Its plugin name.
@@ -75,6 +79,10 @@ impl Scene {
         if !request.is_empty() && self.settings.regularization.is_some() {
             return Err(PartsError::Regularized);
         }
+        let is_merged = self.settings.kind == integrator_kind::VERTEX_MERGING;
+        if !request.is_empty() && is_merged && !self.edits.is_empty() {
+            return Err(PartsError::EditedPhotons);
+        }
         self.parts = PathParts::new(request, &self.tables.view(), &self.names)?;
         Ok(())
     }
@@ -101,9 +109,12 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     if let Some((what, most)) = builder.tables.view().oversized() {
         return Err(root.error(format!("the scene has more than {most} {what}")));
     }
+    let edits = edits::build(root, options, &builder.tables.view(), &builder.names)?;
+    check_edits(root, &edits, &integrator)?;
     warn_unused(root)?;
     let settings = integrator.settings_in(builder.tables.info.radius);
     Ok(Scene {
+        edits,
         tables: builder.tables,
         names: builder.names,
         parts: PathParts::default(),
@@ -117,6 +128,30 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
         warnings: parsed.warnings(),
         plugins: count_plugins(root),
     })
+}
+
+/// That the algorithm renders edits, if there are any.
+fn check_edits(
+    root: &Object,
+    edits: &SceneEdits,
+    integrator: &integrator::Integrator,
+) -> Result<(), SceneError> {
+    let settings = &integrator.settings;
+    if edits.is_empty() {
+        return Ok(());
+    }
+    if !turns_paths(settings) {
+        return Err(root.error(format!(
+            "edits of light transport are not for {}: use path, ptracer, bdpt, vcm, vm, pssmlt or mmlt",
+            integrator.name
+        )));
+    }
+    if settings.regularization.is_some() {
+        return Err(
+            root.error("edits turn paths as they are, not those that regularisation has spread")
+        );
+    }
+    Ok(())
 }
 
 /// Settings and name of the integrator that a scene of a radius would be built with.

@@ -1,5 +1,7 @@
 //! What the command line changes about a scene while it is built.
 
+use std::path::PathBuf;
+
 /// Everything that the command line may change.
 #[derive(Clone, Debug, Default)]
 pub struct BuildOptions {
@@ -11,6 +13,10 @@ pub struct BuildOptions {
     pub sampler: Option<String>,
     /// Which of several sensors, counted from 0 in the order of the file.
     pub sensor: usize,
+    /// A file with edits of light transport.
+    pub edit: Option<PathBuf>,
+    /// The moment of their keyframes.
+    pub edit_time: f64,
 }
 
 /// A rectangle of pixels.

@@ -15,7 +15,7 @@ use super::object::ObjectKind;
 use super::object::Value;
 use super::parameters::Parameters;
 use super::source::Source;
-use super::{elements, limits, transforms};
+use super::{elements, limits, numbers, transforms};
 use crate::scene::error::{Diagnostics, SceneError, suggestion};
 
 /// Where a scene comes from.
@@ -163,6 +163,9 @@ impl Loader<'_> {
                     "transform",
                 );
             }
+            "animation" if self.document.objects[parent].kind == ObjectKind::Edit => {
+                return self.keyframes(node, element, parent, context);
+            }
             "animation" => return self.animation(node, element, parent, context),
             _ => {}
         }
@@ -262,6 +265,36 @@ impl Loader<'_> {
         Ok(result)
     }
 
+    /// The keyframes of an edit.
+    fn keyframes(
+        &mut self,
+        node: Node<'_, '_>,
+        element: &Element<'_>,
+        parent: usize,
+        context: &FileContext<'_>,
+    ) -> Result<(), SceneError> {
+        element.check_attributes(&["name"])?;
+        let mut keys: Vec<(f64, DMat4)> = Vec::new();
+        for child in node.children().filter(Node::is_element) {
+            let key = self.element(child, context)?;
+            if key.tag != "transform" {
+                return Err(key.error("an animation holds <transform>s, each with a time"));
+            }
+            key.check_attributes(&["time"])?;
+            let time = key.parse("time", numbers::float)?;
+            if keys.last().is_some_and(|(last, _)| *last >= time) {
+                return Err(key.error("the times of an animation grow from one key to the next"));
+            }
+            keys.push((time, self.transform(child, &key, context)?));
+        }
+        if keys.is_empty() {
+            return Err(element.error("is empty"));
+        }
+        let name = element.require("name")?;
+        let value = RawValue::Value(Value::Animation(keys.into()));
+        self.document.add(parent, name, value, element, "animation")
+    }
+
     /// Animated transforms are replaced by their first key.
     fn animation(
         &mut self,
@@ -311,6 +344,7 @@ const KNOWN: &[&str] = &[
     "boolean",
     "bsdf",
     "default",
+    "edit",
     "emitter",
     "film",
     "float",

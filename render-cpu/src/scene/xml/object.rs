@@ -34,6 +34,8 @@ pub enum ObjectKind {
     Volume,
     /// `<spectrum type="...">`.
     Spectrum,
+    /// Edits of light transport, which are Halflight's own.
+    Edit,
     /// Elements of Mitsuba that Halflight does not support.
     Other,
 }
@@ -56,6 +58,7 @@ impl ObjectKind {
             "phase" => ObjectKind::Phase,
             "volume" => ObjectKind::Volume,
             "spectrum" => ObjectKind::Spectrum,
+            "edit" => ObjectKind::Edit,
             "subsurface" | "field" => ObjectKind::Other,
             _ => return None,
         })
@@ -77,6 +80,7 @@ impl ObjectKind {
             ObjectKind::Phase => "phase",
             ObjectKind::Volume => "volume",
             ObjectKind::Spectrum => "spectrum",
+            ObjectKind::Edit => "edit",
             ObjectKind::Other => "subsurface",
         }
     }
@@ -116,6 +120,8 @@ pub enum Value {
     },
     /// `<transform>`, composed.
     Transform(DMat4),
+    /// `<animation>` of an edit: times in order, and the transforms then.
+    Animation(Arc<[(f64, DMat4)]>),
     /// A nested object, or a reference to one elsewhere.
     Object(Arc<Object>),
 }
@@ -134,6 +140,7 @@ impl Value {
             Value::Spectrum(_) => "a spectrum".into(),
             Value::Blackbody { .. } => "a blackbody spectrum".into(),
             Value::Transform(_) => "a transform".into(),
+            Value::Animation(_) => "an animation".into(),
             Value::Object(object) => format!("a {} of type \"{}\"", object.kind, object.plugin),
         }
     }

@@ -1,0 +1,301 @@
+//! What edits ([`super::retarget`]) do at a vertex of a walk: which of them have turned the direction from which it came, and those
+//! in which it is evaluated and sampled.
+//!
+//! The surface's BSDF knows only directions before turns. A walk therefore evaluates it for R of the direction that it came
+//! along and R of the one in which it goes on, while cosines and edges are those of the true directions. With J = |dR o / do| of
+//! each, the density of a sampled direction is J p, that of the way back the same with the J of the other direction, and the
+//! factors of values are those of [`Edit::value`].
+//!
+//! Hosts only, as edits are.
+
+use super::expression::scattering;
+use super::retarget::{Edit, MAX_EDITS, Turn, flow};
+use super::retarget_states::{Choice, EditStates, Edits, Reading, label};
+use super::scattered::Scattered;
+use crate::bsdf::{Bsdf, diffuse_share, event, lobe};
+use crate::math::Rgb;
+use crate::scene::{SurfacePoint, lobe_kind};
+use glam::Vec3;
+
+/// How a walk came to a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// About the edits of the other flow.
+    pub choice: Choice,
+    /// World direction back along the walk, as the BSDF knows it.
+    pub back: Vec3,
+    /// |dR o / do| of the direction back along the walk.
+    pub jacobian: f32,
+    /// Factor on what it scatters: the edit's, over the probability of the guess.
+    pub factor: Rgb,
+}
+
+impl Arrival {
+    /// Along a direction that nothing has turned.
+    pub fn straight(back: Vec3) -> Arrival {
+        Arrival {
+            choice: Choice::FREE,
+            back,
+            jacobian: 1.0,
+            factor: Vec3::ONE,
+        }
+    }
+
+    /// Guesses how a walk that has come to `point` against the unit direction `back` got there. `draw` gives a number, which is
+    /// only asked for where there is a choice. The factor is zero if no path counts that comes this way.
+    pub fn guess(
+        edits: &Edits<'_>,
+        states: &EditStates,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        back: Vec3,
+        draw: impl FnOnce() -> f32,
+    ) -> Arrival {
+        let other = 1 - states.flow();
+        let (place, may) = (edits.words.place(point), scattering_kinds(bsdf));
+        let mut found = [Arrival::straight(back); MAX_EDITS + 1];
+        let mut count = 0;
+        for label in 0..=edits.list.len().min(MAX_EDITS) as u32 {
+            let mut arrival = Arrival::straight(back);
+            if label > 0 {
+                let edit = &edits.list[label as usize - 1];
+                if edit.flow != other {
+                    continue;
+                }
+                let Some(origin) = edit.origin_at(point, back) else {
+                    continue;
+                };
+                arrival.back = origin.direction;
+                arrival.jacobian = origin.jacobian;
+                arrival.factor = edit.value(point, origin.direction, back, origin.jacobian);
+            }
+            arrival.choice = choice(edits, other, point, arrival.back, label);
+            if states.may_choose(edits, place, may, arrival.choice) {
+                found[count] = arrival;
+                count += 1;
+            }
+        }
+        if count == 0 {
+            return Arrival {
+                factor: Vec3::ZERO,
+                ..Arrival::straight(back)
+            };
+        }
+        if count == 1 {
+            return found[0];
+        }
+        let chosen = ((draw() * count as f32) as usize).min(count - 1);
+        let mut arrival = found[chosen];
+        arrival.factor *= count as f32;
+        arrival
+    }
+}
+
+/// The choice of a path about the edits of a flow, for the direction before the turn.
+fn choice(edits: &Edits<'_>, flow: u32, point: &SurfacePoint, before: Vec3, label: u32) -> Choice {
+    let mut within = 0;
+    for (i, edit) in edits.list.iter().enumerate() {
+        // Of the edit that has applied rounding might say otherwise.
+        let is_own = label == i as u32 + 1;
+        if edit.flow == flow && (is_own || edit.turn_at(point, before).is_some()) {
+            within |= 1 << i;
+        }
+    }
+    Choice {
+        within,
+        label,
+        is_free: false,
+    }
+}
+
+/// Ways in which a material may scatter, as bits of [`scattering`].
+fn scattering_kinds(bsdf: &Bsdf) -> u32 {
+    let mut may = 0;
+    for i in 0..bsdf.lobe_count() {
+        let kind = bsdf.lobe_at(i).kind;
+        let bits = lobe::events(kind);
+        let mut add = |first: u32| {
+            if bits & event::REFLECTION != 0 {
+                may |= 1 << first;
+            }
+            if bits & event::TRANSMISSION != 0 {
+                may |= 1 << (first + 1);
+            }
+        };
+        if kind == lobe_kind::NULL {
+            continue;
+        }
+        if bits & event::DELTA != 0 {
+            add(scattering::SPECULAR_REFLECTION);
+        }
+        let is_diffuse = diffuse_share::is_diffuse(kind);
+        if is_diffuse || kind == lobe_kind::ROUGH_PLASTIC {
+            add(scattering::DIFFUSE_REFLECTION);
+        }
+        if !is_diffuse && !lobe::is_delta(kind) {
+            add(scattering::GLOSSY_REFLECTION);
+        }
+    }
+    may
+}
+
+/// What edits do at a vertex.
+#[derive(Clone, Copy)]
+pub struct Retargeted<'a> {
+    /// All of them.
+    pub edits: &'a Edits<'a>,
+    /// Of the walk before this vertex.
+    pub states: &'a EditStates,
+    /// How it came.
+    pub arrival: Arrival,
+    /// One more than the number of the edit by which the direction is turned in which the vertex is evaluated; zero for none.
+    pub label: u32,
+    /// Whether no edit turns it, whatever is selected.
+    pub is_free: bool,
+}
+
+/// A sampled direction after its turn.
+#[derive(Clone, Copy, Debug)]
+pub struct Turned {
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Factor on the density of the sample.
+    pub pdf: f32,
+    /// Factor on the value of the BSDF times the cosine towards the light.
+    pub value: Rgb,
+    /// One more than the number of the edit; zero for none.
+    pub label: u32,
+}
+
+impl Turned {
+    /// By no edit.
+    pub fn straight(direction: Vec3) -> Turned {
+        Turned {
+            direction,
+            pdf: 1.0,
+            value: Vec3::ONE,
+            label: 0,
+        }
+    }
+}
+
+impl Retargeted<'_> {
+    /// The edit of the label.
+    fn edit(&self) -> Option<&Edit> {
+        self.edits.list.get((self.label as usize).wrapping_sub(1))
+    }
+
+    /// The direction that the BSDF knows for the true one, with |dR o / do|; none if the label is none of its.
+    pub fn origin(&self, point: &SurfacePoint, direction: Vec3) -> Option<Turn> {
+        match self.edit() {
+            Some(edit) => edit.origin_at(point, direction),
+            None => Some(Turn {
+                direction,
+                jacobian: 1.0,
+            }),
+        }
+    }
+
+    /// Factor on values, for a direction and that of [`Retargeted::origin`].
+    pub fn value(&self, point: &SurfacePoint, origin: &Turn, direction: Vec3) -> Rgb {
+        let factor = self.arrival.factor;
+        match self.edit() {
+            Some(edit) => factor * edit.value(point, origin.direction, direction, origin.jacobian),
+            None => factor,
+        }
+    }
+
+    /// Labels with which a path may go on along a unit direction, as bits.
+    pub fn labels(&self, point: &SurfacePoint, direction: Vec3) -> u32 {
+        let mut labels = 1;
+        for (i, edit) in self.edits.list.iter().enumerate() {
+            if edit.flow == self.states.flow() && edit.origin_at(point, direction).is_some() {
+                labels |= 2 << i;
+            }
+        }
+        labels
+    }
+
+    /// How the automata read the vertex in a path that goes on along a direction which the BSDF knows as `before`.
+    fn reading(&self, point: &SurfacePoint, scattered: Scattered, before: Vec3) -> Reading {
+        let own = if self.is_free {
+            Choice::FREE
+        } else {
+            choice(self.edits, self.states.flow(), point, before, self.label)
+        };
+        Reading {
+            place: self.edits.words.place(point),
+            scattered,
+            own,
+            other: self.arrival.choice,
+        }
+    }
+
+    /// States behind the vertex in a path that goes on along a direction which the BSDF knows as `before`.
+    pub fn after(&self, point: &SurfacePoint, scattered: Scattered, before: Vec3) -> EditStates {
+        let reading = self.reading(point, scattered, before);
+        self.states.after(self.edits, &reading)
+    }
+
+    /// Turns a sampled direction; where only a part of what is scattered is selected, `draw` decides.
+    pub fn turn(
+        &self,
+        point: &SurfacePoint,
+        scattered: &Scattered,
+        before: Vec3,
+        draw: impl FnOnce() -> f32,
+    ) -> Turned {
+        let straight = Turned {
+            value: self.arrival.factor,
+            ..Turned::straight(before)
+        };
+        let flow = self.states.flow();
+        let choice = choice(self.edits, flow, point, before, 0);
+        if choice.within == 0 {
+            return straight;
+        }
+        let place = self.edits.words.place(point);
+        let other = self.arrival.choice;
+        let weights = self
+            .states
+            .own_labels(self.edits, place, scattered, other, choice.within);
+        let total: f32 = weights.iter().sum();
+        let first = weights.iter().position(|w| *w > 0.0).unwrap_or(0);
+        let mut chosen = first;
+        let mut probability = 1.0;
+        if weights[first] < total {
+            let u = draw() * total;
+            let mut below = 0.0;
+            for (i, weight) in weights.iter().enumerate() {
+                if *weight > 0.0 {
+                    chosen = i;
+                    below += weight;
+                    if u < below {
+                        break;
+                    }
+                }
+            }
+            probability = weights[chosen] / total;
+        }
+        let value = self.arrival.factor / probability;
+        if chosen == 0 {
+            return Turned { value, ..straight };
+        }
+        let edit = &self.edits.list[chosen - 1];
+        let Some(turn) = edit.turn_at(point, before) else {
+            return straight;
+        };
+        let jacobian = 1.0 / turn.jacobian;
+        Turned {
+            direction: turn.direction,
+            pdf: jacobian,
+            value: value * edit.value(point, before, turn.direction, jacobian),
+            label: label(1 << (chosen - 1)),
+        }
+    }
+
+    /// Whether the walk goes with the light.
+    pub fn is_light_walk(&self) -> bool {
+        self.states.flow() == flow::LIGHT
+    }
+}

@@ -29,6 +29,10 @@ pub const DIFFUSE_ROUGHNESS: f32 = 1e3;
 /// Local roughness of a material at a pair of directions in the local frame of the surface point, a Beckmann alpha in
 /// [[`microfacet::ALPHA_MIN`], [`DIFFUSE_ROUGHNESS`]], or zero for a material of discrete directions alone.
 pub fn local_beckmann_roughness(bsdf: &Bsdf, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
+    if bsdf.lobe_count() == 1 && has_own_falloff(bsdf.lobe_at(0).kind) {
+        // Its value at the pair weighs nothing but itself.
+        return roughness_of_falloff(lobe_falloff(bsdf.lobe_at(0), data, wi, wo), 1.0);
+    }
     let mut value = 0.0;
     let mut falloff = 0.0;
     for i in 0..bsdf.lobe_count() {
@@ -43,6 +47,18 @@ pub fn local_beckmann_roughness(bsdf: &Bsdf, data: &[f32], wi: Vec3, wo: Vec3) -
         return 0.0;
     }
     roughness_of_falloff(falloff, value)
+}
+
+/// Whether the fall-off of a lobe follows from its half vector alone.
+#[inline]
+fn has_own_falloff(kind: u32) -> bool {
+    matches!(
+        kind,
+        lobe_kind::ROUGH_CONDUCTOR
+            | lobe_kind::ROUGH_DIELECTRIC
+            | lobe_kind::DIFFUSE
+            | lobe_kind::ROUGH_DIFFUSE
+    )
 }
 
 /// `1 / sigma^2` of one lobe at a pair where it is not zero.

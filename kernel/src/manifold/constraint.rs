@@ -143,6 +143,50 @@ impl Chart {
     }
 }
 
+/// Coordinates of a half vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Coordinates {
+    /// The half vector.
+    pub h: Vec2,
+    /// Whether there is one.
+    pub valid: bool,
+}
+
+/// The half vector of [`inner_constraint`] alone.
+#[inline]
+pub fn inner_half_vector(previous: Vec3, x: &ChainVertex, next: Vec3, form: u32) -> Coordinates {
+    let none = Coordinates {
+        h: Vec2::ZERO,
+        valid: false,
+    };
+    let i = Edge::new(x.position, previous);
+    let o = Edge::new(x.position, next);
+    if i.inverse_length == 0.0 || o.inverse_length == 0.0 {
+        return none;
+    }
+    let sum = i.w + o.w * x.eta;
+    let frame = x.frame();
+    let mut scale = 1.0;
+    if x.kind != vertex_kind::INDEX_MATCHED {
+        let length = safe_sqrt(sum.length_squared());
+        let height = sum.dot(frame.n);
+        if !(length > SHORTEST) || !(abs(height) > GRAZING * length) {
+            return none;
+        }
+        scale = if form == half_vector_form::SLOPE {
+            1.0 / height
+        } else {
+            let sign = if height < 0.0 { -1.0 } else { 1.0 };
+            sign / length
+        };
+    }
+    let h = sum * scale;
+    Coordinates {
+        h: Vec2::new(frame.s.dot(h), frame.t.dot(h)),
+        valid: true,
+    }
+}
+
 /// The constraint of the inner vertex `x` between its neighbours.
 #[inline]
 pub fn inner_constraint(

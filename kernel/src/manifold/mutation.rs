@@ -22,9 +22,7 @@ use super::chain::ChainJacobian;
 use super::constraint::Edge;
 use super::projection::{is_edge_free, project};
 use super::vertex::{ChainVertex, vertex_kind};
-use super::walk::{
-    WalkOptions, is_same_path, predict, residual, starts_at_sensor, walk, walk_status,
-};
+use super::walk::{WalkOptions, is_same_path, predict, residual, walk, walk_status};
 use crate::math::block::{determinant2, invert};
 use crate::math::float::abs;
 use crate::math::scaled::{Scaled, is_finite2};
@@ -129,7 +127,7 @@ fn jump<T: Traverse, const N: usize>(
     if len < 3 || len > N || !jacobian.is_regular() {
         return;
     }
-    let from_sensor = starts_at_sensor(jacobian);
+    let from_sensor = options.projects_from_sensor(jacobian);
     let mut dx = residual(jacobian, target);
     if !jacobian.lu.solve(&mut dx) {
         return;
@@ -144,7 +142,7 @@ fn jump<T: Traverse, const N: usize>(
         return;
     }
     let forward = prediction_between(start, &trial.vertices, len, jacobian, from_sensor);
-    let back_from_sensor = starts_at_sensor(&found);
+    let back_from_sensor = options.projects_from_sensor(&found);
     let backward = prediction_between(&trial.vertices, start, len, &found, back_from_sensor);
     if !forward.valid || !backward.valid {
         return;

@@ -38,6 +38,18 @@ pub struct WalkOptions {
     pub reversibility_tolerance: f32,
     /// Radius of the scene's bounding sphere.
     pub scene_scale: f32,
+    /// Where projections start: one of [`walk_start`].
+    pub start: u32,
+}
+
+/// Ends at which projections start.
+pub mod walk_start {
+    /// The one from which errors shrink along the chain (thesis section 8.1.1).
+    pub const CHOSEN: u32 = 0;
+    /// The light.
+    pub const LIGHT: u32 = 1;
+    /// The sensor.
+    pub const SENSOR: u32 = 2;
 }
 
 impl WalkOptions {
@@ -51,6 +63,17 @@ impl WalkOptions {
             half_vector_tolerance: 1e-4,
             reversibility_tolerance: 1e-3,
             scene_scale,
+            start: walk_start::CHOSEN,
+        }
+    }
+
+    /// Whether projections of a chain with these constraints start at the sensor.
+    #[inline]
+    pub fn projects_from_sensor<const N: usize>(&self, jacobian: &ChainJacobian<N>) -> bool {
+        if self.start == walk_start::CHOSEN {
+            starts_at_sensor(jacobian)
+        } else {
+            self.start == walk_start::SENSOR
         }
     }
 }
@@ -158,7 +181,7 @@ pub fn walk<T: Traverse, const N: usize>(
         jacobian,
         target,
         options,
-        starts_at_sensor(jacobian),
+        options.projects_from_sensor(jacobian),
     )
 }
 

@@ -10,6 +10,7 @@
 //! - [`discrete_event`], [`mollified`]: discrete directions of a material, and the same blurred;
 //! - [`spread`]: what the heuristics of regularisation know of a camera walk;
 //! - [`specular_chain`]: which paths nothing samples, and where they are connected all the same;
+//! - [`remainder`]: what path tracing leaves to chains;
 //! - [`rules`]: path depth, hidden emitters, strict normals, Russian roulette;
 //! - [`subpath`]: the moving end of every random walk, its arrival at surfaces and its departure;
 //! - [`walk`]: random walks from the sensor and from emitters that can be connected;
@@ -38,6 +39,7 @@ pub mod lens;
 pub mod mollified;
 pub mod path_states;
 pub mod photon_density;
+pub mod remainder;
 // Edits are for hosts only: they choose between several ways at a vertex, for which shaders have no room.
 #[cfg(not(target_arch = "spirv"))]
 pub mod retarget;

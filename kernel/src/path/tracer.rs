@@ -6,8 +6,10 @@
 //!
 //! Hosts only, as [`super::whole`].
 
+use super::remainder::Remainder;
 use super::rules::PathRules;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
+use super::whole::Path;
 use super::whole_vertex::{SMOOTH, Vertex, p_through};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::{Ray, Rgb};
@@ -40,6 +42,8 @@ pub struct Tracer<'a, T: Traverse> {
     pub view: &'a SceneView<'a, T>,
     /// The rules.
     pub rules: PathRules,
+    /// What path tracing beside it leaves, if there is such.
+    pub beside: Option<Remainder>,
 }
 
 impl<T: Traverse> Clone for Tracer<'_, T> {
@@ -51,6 +55,30 @@ impl<T: Traverse> Clone for Tracer<'_, T> {
 impl<T: Traverse> Copy for Tracer<'_, T> {}
 
 impl<T: Traverse> Tracer<'_, T> {
+    /// [`Path::evaluate`], less what path tracing keeps of the path.
+    pub fn evaluate<const N: usize>(&self, path: &mut Path<N>, bsdf: &mut Bsdf) -> bool {
+        self.evaluate_and(path, bsdf, |_, _, _, _| {})
+    }
+
+    /// [`Path::evaluate_and`], less the same.
+    pub fn evaluate_and<const N: usize>(
+        &self,
+        path: &mut Path<N>,
+        bsdf: &mut Bsdf,
+        visit: impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
+    ) -> bool {
+        let tables = &self.view.tables;
+        if !path.evaluate_and(tables, &self.rules, bsdf, visit) {
+            return false;
+        }
+        let Some(remainder) = &self.beside else {
+            return true;
+        };
+        let pdf = [0, 1].map(|s| path.strategy_pdf(tables, s, false));
+        path.value *= remainder.left(path.luminance(), pdf, path.edges() as u32);
+        path.value.max_element() > 0.0
+    }
+
     /// Follows a ray to the surface where a walk stands; `from_sensor` passes emitters that the sensor does not see.
     pub fn trace<S: Sampler>(&self, ray: &Ray, from_sensor: bool, sampler: &mut S) -> Arrival {
         let tables = &self.view.tables;

@@ -120,6 +120,18 @@ impl<const N: usize> Path<N> {
     /// Looks up what the sensor and the light say of the path's ends, and all of its vertices; says whether it carries light.
     /// Positions, discrete events, the emitter, the lens numbers, transmittances and `to_light` of lights at infinity are given.
     pub fn evaluate(&mut self, tables: &Tables<'_>, rules: &PathRules, bsdf: &mut Bsdf) -> bool {
+        self.evaluate_and(tables, rules, bsdf, |_, _, _, _| {})
+    }
+
+    /// The same, and calls `visit` with the index of each inner vertex, the local directions to the sensor and to the light, and
+    /// the BSDF: of a discrete event that looked up for the latter, else for the former.
+    pub fn evaluate_and(
+        &mut self,
+        tables: &Tables<'_>,
+        rules: &PathRules,
+        bsdf: &mut Bsdf,
+        mut visit: impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
+    ) -> bool {
         self.value = Vec3::ZERO;
         let k = self.edges();
         if k == 0 || k > rules.max_depth as usize || self.emitter == NONE {
@@ -151,7 +163,7 @@ impl<const N: usize> Path<N> {
         }
         let mut value = self.emitted(tables);
         for i in 1..k {
-            if !(value.max_element() > 0.0) || !self.look_up(tables, rules, i, bsdf) {
+            if !(value.max_element() > 0.0) || !self.look_up(tables, rules, i, bsdf, &mut visit) {
                 return false;
             }
             value *= self.vertices[i].value;
@@ -185,6 +197,7 @@ impl<const N: usize> Path<N> {
         rules: &PathRules,
         i: usize,
         bsdf: &mut Bsdf,
+        visit: &mut impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
     ) -> bool {
         let (to_sensor, to_light) = (self.next_direction(i), self.previous_direction(i));
         let vertex = &mut self.vertices[i];
@@ -214,7 +227,11 @@ impl<const N: usize> Path<N> {
             vertex.ratio = 1.0 / (float::sqr(forward.eta) * back.exchange);
             vertex.is_unique = forward.is_unique && back.is_unique;
         }
-        vertex.value.max_element() > 0.0
+        let is_lit = vertex.value.max_element() > 0.0;
+        if is_lit {
+            visit(self, i, [wc, wl], bsdf);
+        }
+        is_lit
     }
 
     /// |cos| at vertex `i` of a direction with the geometric normal; one where there is no surface.

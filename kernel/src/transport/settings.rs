@@ -92,8 +92,9 @@ pub struct ChainSettings {
     pub chains: u32,
     /// Mutations per pixel of a group; 0 for as few as make 2^20 in all.
     pub mutations: u32,
-    /// Samples per pixel of a group for direct illumination, which chains then leave out; 0 if chains find all,
-    /// [`ChainSettings::SOME`] for as many as are worth it (Mitsuba 0.6: `directSamples`).
+    /// Samples per pixel of a group for direct illumination, which chains then leave out; 0 if chains find all (Mitsuba 0.6:
+    /// `directSamples`). [`ChainSettings::SOME`] for as many as are worth it, and chains of whole paths then leave to path tracing
+    /// all that it finds well ([`crate::path::remainder`]).
     pub direct_samples: u32,
     /// Mutations of a chain; 0 for those of the group over its chains (Mitsuba 0.6: `chainLength`).
     pub chain_length: u32,
@@ -129,6 +130,11 @@ pub mod half_vector_flag {
     pub const EQUAL_STEPS: u32 = 8;
     /// Steps from the roughness alone, however far they lead over the image.
     pub const UNSTRATIFIED: u32 = 16;
+    /// Walks project vertices from the light on, instead of from the end where errors shrink, and manifold exploration turns paths
+    /// on the way from the light alone.
+    pub const FROM_LIGHT: u32 = 32;
+    /// The same from the sensor.
+    pub const FROM_SENSOR: u32 = 64;
 }
 
 impl ChainSettings {

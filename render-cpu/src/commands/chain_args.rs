@@ -9,7 +9,8 @@ use halflight_kernel::transport::settings::half_vector_flag;
 #[derive(Args, Clone, Debug)]
 pub struct ChainArgs {
     /// Samples per pixel for direct illumination in each group of chains, which then leave it out; 0 leaves it to the chains
-    /// (pssmlt, mmlt, mlt, memlt, hslt, erpt, meerpt).
+    /// (pssmlt, mmlt, mlt, memlt, hslt, erpt, meerpt). By default mlt, memlt, hslt, erpt and meerpt leave all that path tracing
+    /// finds well to it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1 << 20))]
     pub direct_samples: Option<u32>,
     /// Chains in a group (pssmlt, mmlt, mlt, memlt, hslt).

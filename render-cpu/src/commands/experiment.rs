@@ -1,5 +1,6 @@
 //! `halflight experiment`: what the papers prove, reproduced, and algorithms compared on a scene.
 
+use super::chains_experiment::{self, ChainsArgs};
 use super::convergence::{self, ConvergenceArgs};
 use super::output_file;
 use super::regularization_experiment::{self, RegularizationArgs};
@@ -37,6 +38,8 @@ pub enum SceneExperiment {
     Convergence(Box<ConvergenceArgs>),
     /// Compare kinds of regularisation on a scene: noise, and relative residuals against a reference
     Regularization(Box<RegularizationArgs>),
+    /// Count what walks of half-vector mutations and of manifold exploration come to on a scene
+    Chains(Box<ChainsArgs>),
 }
 
 /// Why an experiment did not run.
@@ -64,6 +67,7 @@ pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error
         Some(SceneExperiment::Regularization(args)) => {
             return regularization_experiment::run(args, quiet);
         }
+        Some(SceneExperiment::Chains(args)) => return chains_experiment::run(args),
         None => {}
     }
     let name = args.name.as_deref().unwrap_or("list");
@@ -75,6 +79,8 @@ pub fn run(args: &ExperimentArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error
         print_line(format_args!("{:<24}{about}", "convergence"))?;
         let about = "kinds of regularisation on a scene of yours; see its --help";
         print_line(format_args!("{:<24}{about}", "regularization"))?;
+        let about = "walks in half-vector space on a scene of yours; see its --help";
+        print_line(format_args!("{:<24}{about}", "chains"))?;
         return Ok(ExitCode::SUCCESS);
     }
     let Some(experiment) = find(name) else {

@@ -1,6 +1,7 @@
 //! The subcommands of `halflight`, one per file, and what they share.
 
 pub mod chain_args;
+mod chains_experiment;
 pub mod compare;
 pub mod convergence;
 pub mod estimator_args;

@@ -6,6 +6,7 @@
 
 pub mod appm;
 pub mod bounds;
+pub mod chains;
 pub mod convergence;
 mod fit;
 pub mod half_vector_flatness;

@@ -45,7 +45,8 @@ fn scene([width, height]: [u32; 2]) -> Scene {
     }
 }
 
-fn rendered(scene: &Scene, samples: u32) -> Option<Film> {
+/// A film of so many samples; nothing if it cannot be made.
+pub(super) fn rendered(scene: &Scene, samples: u32) -> Option<Film> {
     let options = RenderOptions {
         goal: Goal::Samples(samples),
         seed: 1,

@@ -25,7 +25,7 @@ use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind
 /// Slots for paths side by side: enough for whole vectors of every class, few enough that their state stays in the second
 /// cache. A row of them takes an odd number of cache lines, so that the same slot of many rows does not compete for the same
 /// places of the first cache (a tenth of the time of cornell-box at 1024).
-const SLOTS: usize = 97 * 16;
+pub const SLOTS: usize = 97 * 16;
 
 /// Samples of a pixel that are taken one by one between two looks at whether to stop.
 const SAMPLES_BETWEEN_LOOKS: u32 = 16;

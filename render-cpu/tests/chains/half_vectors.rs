@@ -258,3 +258,98 @@ fn long_chains_of_far_steps_keep_the_image() {
     }
     report(results);
 }
+
+/// Metal of a roughness.
+fn metal(alpha: f32) -> String {
+    format!(
+        r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="{alpha}"/></bsdf>"#
+    )
+}
+
+/// Images by chains that come around, against bidirectional path tracing.
+fn come_around(
+    what: &str,
+    content: &str,
+    files: &[NamedFile<'_>],
+    depth: u32,
+    chains: &[(&str, ChainSettings)],
+    truth: u32,
+    groups: u32,
+) -> Vec<Result<(), String>> {
+    let mut scene = scene(content, files);
+    scene.settings.rules.max_depth = depth;
+    scene.settings.rules.hide_emitters = 1;
+    let settings = settings_of(&scene, integrator_kind::BIDIRECTIONAL);
+    let truth = Batches::render(what, &mut scene, settings, truth);
+    let mut results = Vec::new();
+    for (name, chains) in chains {
+        let what = format!("{what}, {name}");
+        let settings = IntegratorSettings {
+            chains: *chains,
+            ..settings_of(&scene, integrator_kind::VEACH_MLT)
+        };
+        let found = Batches::render(&what, &mut scene, settings, groups);
+        results.push(compare(&what, &truth, &found));
+    }
+    results
+}
+
+/// Where a path is broken up depends on roughness. Below a narrow mirror that throws all light down, paths go on from paint to metal
+/// mostly by keeping the mirror's half vector, which is proposed half as often from metal as from paint.
+#[test]
+fn breaking_up_between_smooth_and_rough_keeps_the_image() {
+    let mirror = format!(
+        r#"<shape type="rectangle"><transform name="to_world"><scale value="2"/><rotate x="1" angle="90"/><translate y="2.2"/></transform>
+        <bsdf type="twosided">{}</bsdf></shape>"#,
+        metal(0.04)
+    );
+    let lamp = LAMP
+        .replace(r#"angle="90""#, r#"angle="-90""#)
+        .replace("1.8", "1.2");
+    let paint = format!(
+        r#"<shape type="rectangle"><transform name="to_world"><scale x="0.75" y="2"/><rotate x="1" angle="-90"/>
+        <translate x="0.75" y="0.02"/></transform><bsdf type="twosided">{DIFFUSE}</bsdf></shape>"#
+    );
+    let down = PINHOLE
+        .replace("0.1, 1, 3.5", "0, 0.9, 2.5")
+        .replace("0, 0.9, 0", "0, 0, 0");
+    let content = [&*down, &room(&metal(0.1)), &lamp, &mirror, &paint].concat();
+    let what = "paint on metal below a mirror";
+    report(come_around(what, &content, &[], 3, &far()[1..2], 768, 3));
+}
+
+/// In hollow mirrors several paths have the same half vectors, and walks do not come back.
+#[test]
+fn walks_that_do_not_come_back_keep_the_image() {
+    let inside = PINHOLE
+        .replace("0.1, 1, 3.5", "0.3, 1, 1.2")
+        .replace("0, 0.9, 0", "-0.3, 0.7, -1");
+    let bowl = format!(
+        r#"<shape type="sphere"><point name="center" value="0, 1, 0"/><float name="radius" value="2"/>
+        <bsdf type="twosided">{}</bsdf></shape>"#,
+        metal(0.3)
+    );
+    let content = [&inside, LAMP, &bowl].concat();
+    report(come_around("bowl", &content, &[], 3, &far()[1..], 384, 1));
+}
+
+/// Sub-manifolds end at the edges of facets, and jumps lead on.
+#[test]
+fn jumps_between_facets_keep_the_image() {
+    let files: &[NamedFile<'_>] = &[("sphere.obj", &faceted_sphere)];
+    let paint = r#"<bsdf type="roughplastic"><float name="alpha" value="0.15"/></bsdf>"#;
+    let facets = FACETS
+        .replace(paint, &metal(0.3))
+        .replace("0.4", "0.9")
+        .replace(r#"x="0.6" y="0.45""#, r#"x="0.1" y="0.9""#);
+    let content = [PINHOLE, &room(&metal(0.3)), LAMP, &facets].concat();
+    report(come_around(
+        "facets",
+        &content,
+        files,
+        3,
+        &far()[2..],
+        384,
+        2,
+    ));
+}

@@ -3,6 +3,7 @@
 #[path = "../bidirectional/agreement.rs"]
 #[allow(dead_code)]
 mod agreement;
+mod beside;
 mod brightness;
 mod half_vectors;
 mod measures;
@@ -10,5 +11,6 @@ mod promises;
 #[path = "../bidirectional/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;
+mod total;
 mod variants;
 mod whole_paths;

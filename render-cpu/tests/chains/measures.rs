@@ -34,6 +34,7 @@ fn with_paths(scene: &Scene, mut test: impl FnMut(&ChainPath, &PathChain)) {
         let tracer = Tracer {
             view,
             rules: scene.settings.rules,
+            beside: None,
         };
         let mut bsdf = Bsdf::BLACK;
         let mut chain = PathChain::EMPTY;

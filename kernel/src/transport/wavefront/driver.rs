@@ -10,6 +10,7 @@ use super::shadow_rays::{self, ShadowRayLanes};
 use crate::bsdf::Bsdf;
 use crate::math::Rgb;
 use crate::path::PathRules;
+use crate::path::remainder::Remainder;
 use crate::path::visibility::transmittance;
 use crate::sampler::LaneSampler;
 use crate::scene::{HitBatch, NONE, SceneView, Tables, Traverse, scene_flag};
@@ -40,6 +41,8 @@ pub struct Wavefront<S, const N: usize> {
     traced: ShadowRayLanes<N>,
     /// Radiance of each path, in the order in which the paths were added.
     radiance: [Rgb; N],
+    /// See [`Remainder`].
+    remainder: f32,
     sampler: PhantomData<S>,
 }
 
@@ -50,6 +53,11 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
     /// Whether there is no room for another path.
     pub fn is_full(&self) -> bool {
         self.count as usize >= Self::CAPACITY
+    }
+
+    /// From now on paths keep what the remainder says of all that they gather.
+    pub fn keep(&mut self, remainder: Remainder) {
+        self.remainder = remainder.scale;
     }
 
     /// Adds a sample of the pixel at absolute film coordinates, if there is room; the numbers of the sampler are those of
@@ -140,8 +148,11 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         if tables.info.environment == NONE || queued.segment.count == 0 {
             return;
         }
+        let keep = Remainder {
+            scale: self.remainder,
+        };
         self.shading
-            .shade_escaped(simd, tables, settings, &queued, &mut self.radiance);
+            .shade_escaped(simd, tables, settings, &queued, keep, &mut self.radiance);
         if let Some(division) = division {
             division.escaped(tables, &queued, &mut self.radiance);
         }
@@ -156,6 +167,9 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         mut division: Option<&mut WaveDivision<'_>>,
     ) {
         let mut bsdf = Bsdf::BLACK;
+        let keep = Remainder {
+            scale: self.remainder,
+        };
         let queued = self.queues.queued(queues::FALLBACK, &self.paths);
         for k in queued.segment.occupied::<N>() {
             let i = queued.entries[k];
@@ -171,9 +185,10 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
                 let (beside, parts) = division.path(index);
                 beside.shaded(&expressions, &mut driver, direction, depth, parts);
             }
-            let (path, shadow_ray) = (driver.path, driver.shadow_ray);
+            let (path, mut shadow_ray) = (driver.path, driver.shadow_ray);
+            shadow_ray.radiance = keep.of(shadow_ray.radiance, depth + 2);
             let continues = driver.next != step::END;
-            self.radiance[index] += path.radiance;
+            self.radiance[index] += keep.of(path.radiance, depth + 1);
             self.shadow_rays.set(k, &shadow_ray);
             self.shadow_rays.index[k] = index as u32;
             self.next.continues[k] = u32::from(continues);
@@ -201,6 +216,9 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
                 simd,
                 tables,
                 rules,
+                keep: Remainder {
+                    scale: self.remainder,
+                },
                 lanes: &mut self.shading,
                 queue: VariantQueue {
                     queued,

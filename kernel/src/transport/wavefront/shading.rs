@@ -18,6 +18,7 @@ use crate::bsdf::lobe::is_delta;
 use crate::bsdf::mixture;
 use crate::math::Rgb;
 use crate::path::PathRules;
+use crate::path::remainder::Remainder;
 use crate::sampler::LaneSampler;
 use crate::scene::{HitBatch, NONE, Tables};
 use crate::simd::lanes::{Vec3Lanes, gather};
@@ -76,6 +77,7 @@ impl<const N: usize> ShadingLanes<N> {
         tables: &Tables<'_>,
         settings: &IntegratorSettings,
         queued: &QueuedPaths<'_, N>,
+        keep: Remainder,
         radiance: &mut [Rgb; N],
     ) {
         self.environment
@@ -83,7 +85,8 @@ impl<const N: usize> ShadingLanes<N> {
         let (environment, gain) = (&self.environment, &mut self.gain);
         super::environment::weighted_radiance(simd, tables, settings, queued, environment, gain);
         for k in queued.segment.occupied::<N>() {
-            radiance[queued.index(k)] += self.gain.get(k);
+            let depth = gather(&queued.paths.depth, queued.entries[k]);
+            radiance[queued.index(k)] += keep.of(self.gain.get(k), depth + 1);
         }
     }
 
@@ -111,13 +114,14 @@ impl<const N: usize> ShadingLanes<N> {
         &mut self,
         tables: &Tables<'_>,
         queued: &QueuedPaths<'_, N>,
+        keep: Remainder,
         radiance: &mut [Rgb; N],
     ) {
         for k in queued.segment.occupied::<N>() {
             if self.points.emitter[k] != NONE {
                 let mut path = queued.paths.gather(queued.entries[k]);
                 path.add_emission(tables, &self.points.get(k));
-                radiance[queued.index(k)] += path.radiance;
+                radiance[queued.index(k)] += keep.of(path.radiance, path.subpath.depth + 1);
             }
         }
     }
@@ -128,6 +132,7 @@ pub(super) struct VariantShading<'a, S, const VARIANT: u32, const N: usize> {
     pub simd: SimdLevel,
     pub tables: &'a Tables<'a>,
     pub rules: PathRules,
+    pub keep: Remainder,
     pub lanes: &'a mut ShadingLanes<N>,
     pub queue: VariantQueue<'a, N>,
     pub shaded: Shaded<'a, N>,
@@ -141,7 +146,7 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
         let (simd, tables, queued) = (self.simd, self.tables, &self.queue.queued);
         let lanes = &mut *self.lanes;
         lanes.look_up_surfaces(simd, tables, &self.queue);
-        lanes.add_emission(tables, queued, self.shaded.radiance);
+        lanes.add_emission(tables, queued, self.keep, self.shaded.radiance);
         let segment = queued.segment;
         lobes::look_up::<VARIANT, N>(simd, tables, &lanes.points, segment, &mut lanes.lobes);
         if self.queue.is_textured {
@@ -188,7 +193,8 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
             lobes: &self.lanes.lobes,
             lights: &self.lanes.lights,
         };
-        evaluate_lights::<VARIANT, N>(self.simd, self.tables, queued, &lit, shadow_rays);
+        let (tables, keep) = (self.tables, self.keep);
+        evaluate_lights::<VARIANT, N>(self.simd, tables, queued, &lit, keep, shadow_rays);
     }
 
     fn sample_bsdf(&mut self) {
@@ -229,6 +235,7 @@ multiversioned! {
         tables: &Tables<'_>,
         queued: &QueuedPaths<'_, N>,
         lit: &LitSurfaces<'_, N>,
+        keep: Remainder,
         shadow_rays: &mut ShadowRayLanes<N>,
     ) {
         for k in queued.segment.padded::<N>() {
@@ -242,7 +249,8 @@ multiversioned! {
             if !light.is_some() || value.max_element() <= 0.0 {
                 shadow_ray = ShadowRay::NONE;
             }
-            shadow_ray.radiance = queued.paths.throughput.gather(i) * shadow_ray.radiance;
+            let radiance = queued.paths.throughput.gather(i) * shadow_ray.radiance;
+            shadow_ray.radiance = keep.of(radiance, gather(&queued.paths.depth, i) + 2);
             shadow_rays.set(k, &shadow_ray);
             shadow_rays.index[k] = gather(&queued.paths.index, i);
         }

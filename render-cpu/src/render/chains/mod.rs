@@ -10,6 +10,7 @@
 //! ([`halflight_kernel::transport::settings::ChainSettings::mutations_per_pixel`]): a second or so of one processor. What users
 //! ask for, as samples per pixel, are mutations per pixel; [`MutationsPerPixel`] converts.
 
+mod beside;
 mod group;
 
 use super::backend::PassEnd;
@@ -23,6 +24,7 @@ use crate::film::aov::Aov;
 use crate::film::chain_counts::describe;
 use crate::integrators::{Shape, shape};
 use crate::scene::build::Scene;
+use beside::Beside;
 use glam::Vec3;
 use group::{GroupImage, GroupSize};
 use halflight_kernel::path::PathRules;
@@ -99,6 +101,14 @@ pub fn render_groups<T: Traverse + Sync>(
     let direct = own.direct_samples_per_pixel(pixels);
     let min_edges = if direct > 0 { 3 } else { 1 };
     let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
+    // It adds to the image, not to parts of it.
+    let is_plain = followed.division.is_none() && followed.edits.is_none();
+    let beside = if is_plain {
+        Beside::new(view, settings, options.seed, pixels)
+    } else {
+        None
+    };
+    let beside = beside.as_ref();
     let of_samples = (settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT).then(|| {
         let space = PrimarySpace::new(view, settings, own.technique, min_edges);
         let expressions = followed.division.map(|division| division.expressions);
@@ -113,15 +123,16 @@ pub fn render_groups<T: Traverse + Sync>(
             Some(chains) => {
                 let chains = chains.of_group(group);
                 add_group(
-                    view, settings, followed, options, film, group, &chains, stop,
+                    view, settings, followed, None, options, film, group, &chains, stop,
                 )
             }
             None => {
                 let chains = VeachChains::new(view, settings, min_edges, options.seed, group);
                 let division = followed.division;
                 let chains = chains.divided(division.map(|division| division.expressions));
+                let chains = chains.beside(beside.map(|beside| beside.remainder));
                 add_group(
-                    view, settings, followed, options, film, group, &chains, stop,
+                    view, settings, followed, beside, options, film, group, &chains, stop,
                 )
             }
         };
@@ -137,6 +148,7 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     followed: Followed<'_>,
+    beside: Option<&Beside>,
     options: &RenderOptions,
     film: &mut Film,
     group: u32,
@@ -180,6 +192,7 @@ fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
         view,
         settings,
         followed,
+        beside,
         options,
         film,
         group,
@@ -194,6 +207,7 @@ fn add_to_film<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     followed: Followed<'_>,
+    beside: Option<&Beside>,
     options: &RenderOptions,
     film: &mut Film,
     group: u32,
@@ -203,7 +217,12 @@ fn add_to_film<T: Traverse + Sync>(
     let camera = &view.tables.camera;
     let needs_surface = film.aovs().needs_surface();
     let pixels = film.width() * film.height();
-    let direct = settings.chains.direct_samples_per_pixel(pixels);
+    // Path tracing beside the chains finds all direct illumination.
+    let beside = beside.map(|beside| beside.render(view, options.seed, group, film));
+    let direct = match beside {
+        Some(_) => 0,
+        None => settings.chains.direct_samples_per_pixel(pixels),
+    };
     let direct_settings = IntegratorSettings {
         kind: integrator_kind::PATH,
         rules: PathRules {
@@ -224,6 +243,9 @@ fn add_to_film<T: Traverse + Sync>(
                     Vec3::from_array(image[(y * width + x) as usize]) * scale
                 };
                 let mut value = sum(&image.sums[0]);
+                if let Some(beside) = &beside {
+                    value += beside[(y * width + x) as usize];
+                }
                 let mut parts: Vec<Vec3> = image.sums[1..].iter().map(sum).collect();
                 for i in 0..direct {
                     let number = group.wrapping_mul(direct).wrapping_add(i);

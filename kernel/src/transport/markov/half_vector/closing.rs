@@ -13,7 +13,7 @@ use crate::math::scaled::Scaled;
 use crate::path::tracer::Tracer;
 use crate::scene::Traverse;
 use arrayvec::ArrayVec;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 /// Capacities of segments, chosen by their length: what is copied in a walk grows with them.
 macro_rules! with_capacity {
@@ -75,6 +75,8 @@ pub struct Closing<'a> {
     pub back: &'a [Vec2],
     /// Which walk.
     pub method: Method,
+    /// Where its projections start: one of [`walk_start`](crate::manifold::walk::walk_start).
+    pub start: u32,
 }
 
 impl Closing<'_> {
@@ -86,7 +88,7 @@ impl Closing<'_> {
         x: &ChainPath,
         chain: &PathChain,
         segment: &Segment<N>,
-        y: &mut ChainPath,
+        (y, of_y): (&mut ChainPath, &mut PathChain),
         form: u32,
         counts: &mut WalkCounts,
     ) -> Moved {
@@ -95,7 +97,16 @@ impl Closing<'_> {
         // A jump leaves the half vectors of discrete events behind.
         let inner = low + 1..high;
         if !x.vertices[inner.clone()].iter().all(|v| v.is_smooth()) {
-            let is_found = self.close(tracer, x, chain, Some(segment), y, None, form, counts);
+            let is_found = self.close(
+                tracer,
+                x,
+                chain,
+                Some(segment),
+                (y, of_y),
+                None,
+                form,
+                counts,
+            );
             return if is_found {
                 Moved::Walk
             } else {
@@ -120,6 +131,7 @@ impl Closing<'_> {
         for i in inner.clone() {
             y.vertices[i].event = x.vertices[i].event;
             place(tables, &mut y.vertices[i], &found.vertices[i - low]);
+            of_y.vertices[i] = found.vertices[i - low];
         }
         clear_edges(y, low, high);
         if found.kind == mutation_kind::WALK {
@@ -140,7 +152,8 @@ impl Closing<'_> {
         }
     }
 
-    /// Finds the vertices of `y` between the ends, of which one is not that of `x`; says whether there are such.
+    /// Finds the vertices of `y` between the ends, of which one is not that of `x`; says whether there are such. What moves
+    /// stands in the chain of `y` then, too.
     #[allow(clippy::too_many_arguments)]
     pub fn close<T: Traverse, const N: usize>(
         &self,
@@ -148,13 +161,20 @@ impl Closing<'_> {
         x: &ChainPath,
         chain: &PathChain,
         segment: Option<&Segment<N>>,
-        y: &mut ChainPath,
+        (y, of_y): (&mut ChainPath, &mut PathChain),
         moved: Option<ClosingEnd>,
         form: u32,
         counts: &mut WalkCounts,
     ) -> bool {
         let tables = &tracer.view.tables;
         let (low, high) = (self.low, self.high);
+        let moved_end = moved.map(|end| match end {
+            ClosingEnd::Low => low,
+            ClosingEnd::High => high,
+        });
+        if let Some(i) = moved_end {
+            of_y.vertices[i] = end_of(tracer, y, i, chain.vertices[i].reference);
+        }
         if high == low + 1 {
             return join(tracer, y, low);
         }
@@ -163,8 +183,8 @@ impl Closing<'_> {
         };
         let options = self.options(tracer, x, chain, form);
         let end = moved.map(|end| match end {
-            ClosingEnd::Low => MovedEnd::Low(end_of(tracer, y, low)),
-            ClosingEnd::High => MovedEnd::High(end_of(tracer, y, high)),
+            ClosingEnd::Low => MovedEnd::Low(of_y.vertices[low]),
+            ClosingEnd::High => MovedEnd::High(of_y.vertices[high]),
         });
         let cut = |all: &[Vec2]| {
             let mut out = [Vec2::ZERO; N];
@@ -186,6 +206,7 @@ impl Closing<'_> {
         for i in low + 1..high {
             y.vertices[i].event = x.vertices[i].event;
             place(tables, &mut y.vertices[i], &found[i - low]);
+            of_y.vertices[i] = found[i - low];
         }
         clear_edges(y, low, high);
         true
@@ -200,7 +221,10 @@ impl Closing<'_> {
         form: u32,
     ) -> WalkOptions {
         let tables = &tracer.view.tables;
-        options_of(chain, x.is_infinite(tables), tables.info.radius, form)
+        WalkOptions {
+            start: self.start,
+            ..options_of(chain, x.is_infinite(tables), tables.info.radius, form)
+        }
     }
 }
 
@@ -230,8 +254,14 @@ pub enum ClosingEnd {
 }
 
 /// A vertex of a path as the end of a segment.
-fn end_of<T: Traverse>(tracer: &Tracer<'_, T>, path: &ChainPath, i: usize) -> ChainVertex {
-    ChainVertex::from_surface(&curved(&tracer.view.tables, &path.vertices[i].point))
+fn end_of<T: Traverse>(
+    tracer: &Tracer<'_, T>,
+    path: &ChainPath,
+    i: usize,
+    reference: Vec3,
+) -> ChainVertex {
+    let point = curved(&tracer.view.tables, &path.vertices[i].point);
+    ChainVertex::from_surface_with(&point, reference)
 }
 
 /// Walks meet nothing on their way.

@@ -25,10 +25,10 @@ use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::closing::{Closing, ClosingEnd, HalfVectors, Moved, held, with_capacity};
 use super::manifold_perturbation::moved_film;
 use super::measure::{segment_factor, towards_light};
-use super::path_chain::PathChain;
+use super::path_chain::{ChainPair, PathChain, Scattering};
 use super::reconnection::{Method, Segment};
 use super::settings::HalfVectorSettings;
-use super::steps::{Step, free_step, segment_steps};
+use super::steps::{Steps, free_step, segment_steps};
 use super::tracing::{trace_from_sensor, walked};
 use crate::bsdf::Bsdf;
 use crate::manifold::breakup::{choose, probabilities_b, probabilities_c};
@@ -40,7 +40,6 @@ use crate::path::tracer::Tracer;
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::is_delta;
 use crate::scene::{Traverse, camera, camera_kind};
-use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
 /// Largest move of the numbers that choose the lens point.
@@ -85,6 +84,7 @@ pub fn propose<T: Traverse, S: Sampler>(
     x: &ChainPath,
     y: &mut ChainPath,
     settings: &HalfVectorSettings,
+    chains: &mut ChainPair,
     bsdf: &mut Bsdf,
     sampler: &mut S,
     counts: &mut WalkCounts,
@@ -96,26 +96,31 @@ pub fn propose<T: Traverse, S: Sampler>(
     if k < 2 {
         return 0.0;
     }
-    let mut chain = PathChain::EMPTY;
-    chain.set(tables, x, reference, settings.roughness, bsdf);
+    let (chain, of_y) = chains.begin(tables, x, reference, settings.roughness, bsdf);
     let parts = if settings.is_original {
         Breakup { b: k, c: 0 }
     } else {
-        Breakup::sample(&chain, u)
+        Breakup::sample(chain, u)
     };
-    let Some(h) = held(x, &chain, settings.form) else {
+    let Some(h) = held(x, chain, settings.form) else {
         return 0.0;
     };
     let go = Mutation {
         tracer,
         x,
-        chain: &chain,
+        chain,
         h: &h,
         parts,
         settings,
         reference,
     };
-    with_capacity!(parts.b - parts.c + 1, N => go.propose::<S, N>(y, bsdf, sampler, counts))
+    let ratio = with_capacity!(parts.b - parts.c + 1, N => {
+        go.propose::<S, N>((y, of_y), bsdf, sampler, counts)
+    });
+    if ratio > 0.0 {
+        chains.proposed(settings.roughness);
+    }
+    ratio
 }
 
 struct Mutation<'a, T: Traverse> {
@@ -132,7 +137,7 @@ struct Mutation<'a, T: Traverse> {
 impl<T: Traverse> Mutation<'_, T> {
     fn propose<S: Sampler, const N: usize>(
         &self,
-        y: &mut ChainPath,
+        (y, of_y): (&mut ChainPath, &mut PathChain),
         bsdf: &mut Bsdf,
         sampler: &mut S,
         counts: &mut WalkCounts,
@@ -149,9 +154,10 @@ impl<T: Traverse> Mutation<'_, T> {
         } else {
             None
         };
-        let Some(steps) = self.steps(x, chain, segment.as_ref()) else {
+        let mut steps = Steps::new();
+        if !self.steps(x, chain, segment.as_ref(), &mut steps) {
             return 0.0;
-        };
+        }
         // The new half vectors of all vertices that take steps.
         let mut target = self.h.clone();
         for (i, step) in steps.iter().enumerate() {
@@ -172,10 +178,11 @@ impl<T: Traverse> Mutation<'_, T> {
                 target: &target,
                 back: self.h,
                 method: Method::HalfVectors,
+                start: self.settings.start,
             };
             let is_found = match segment.as_ref() {
                 Some(segment) if b == k && b > c + 1 => {
-                    match closing.move_or_jump(tracer, x, chain, segment, y, form, counts) {
+                    match closing.move_or_jump(tracer, x, chain, segment, (y, of_y), form, counts) {
                         Moved::Nowhere => false,
                         Moved::Walk => true,
                         Moved::Jump { back: h, factor } => {
@@ -186,37 +193,49 @@ impl<T: Traverse> Mutation<'_, T> {
                 }
                 _ => {
                     let end = (b < k).then_some(ClosingEnd::High);
-                    closing.close(tracer, x, chain, segment.as_ref(), y, end, form, counts)
+                    let segment = segment.as_ref();
+                    closing.close(tracer, x, chain, segment, (y, of_y), end, form, counts)
                 }
             };
             if !is_found {
                 return 0.0;
             }
         }
-        if !y.evaluate(tables, &tracer.rules, bsdf) {
+        let mut scattering = [Scattering::NONE; MAX_VERTICES];
+        let roughness = self.settings.roughness;
+        let is_lit = tracer.evaluate_and(y, bsdf, |path, i, directions, bsdf| {
+            let vertex = &path.vertices[i];
+            scattering[i] = Scattering::new(tables, vertex, directions, roughness, bsdf);
+        });
+        if !is_lit {
             return 0.0;
         }
         let is_delta_changed = b == 0 && y.is_infinite(tables) != x.is_infinite(tables);
         if is_delta_changed || !self.is_repeatable(y) {
             return 0.0;
         }
-        let mut of_y = PathChain::EMPTY;
-        of_y.set(tables, y, self.reference, self.settings.roughness, bsdf);
+        // What the walk has found, and the end where it began; what was traced before.
+        let known = c + 1..if b < k { b + 1 } else { b };
+        let traced = b + 1..k;
+        let moved = [known, traced];
+        of_y.follow(tables, y, chain, self.reference, &scattering, moved);
+        let of_y = &*of_y;
         if !of_y.has_kinds_of(chain, 1, k - 1) {
             return 0.0;
         }
         let segment_of_y = if b > 0 {
-            match Segment::<N>::new(&of_y, c, b, form) {
+            match Segment::<N>::new(of_y, c, b, form) {
                 Some(segment) => Some(segment),
                 None => return 0.0,
             }
         } else {
             None
         };
-        let Some(steps_of_y) = self.steps(y, &of_y, segment_of_y.as_ref()) else {
+        let mut steps_of_y = Steps::new();
+        if !self.steps(y, of_y, segment_of_y.as_ref(), &mut steps_of_y) {
             return 0.0;
-        };
-        if held(y, &of_y, form).is_none() {
+        }
+        if held(y, of_y, form).is_none() {
             return 0.0;
         }
         let mut ln_densities = 0.0;
@@ -228,9 +247,9 @@ impl<T: Traverse> Mutation<'_, T> {
         let choice = if self.settings.is_original {
             1.0
         } else {
-            self.parts.probability(&of_y) / self.parts.probability(chain)
+            self.parts.probability(of_y) / self.parts.probability(chain)
         };
-        let there = self.target(y, &of_y, segment_of_y.as_ref());
+        let there = self.target(y, of_y, segment_of_y.as_ref());
         let here = self.target(x, chain, segment.as_ref());
         let ratio = there.over(here).product(jump).value() * exp(ln_densities) * choice;
         if ratio > 0.0 && ratio <= f32::MAX {
@@ -240,36 +259,42 @@ impl<T: Traverse> Mutation<'_, T> {
         }
     }
 
-    /// The steps of all vertices between the sensor and b, and between b and c; none at discrete events.
+    /// The steps of all vertices between the sensor and b, and between b and c; says whether all are finite.
     fn steps<const N: usize>(
         &self,
         path: &ChainPath,
         chain: &PathChain,
         segment: Option<&Segment<N>>,
-    ) -> Option<ArrayVec<Option<Step>, MAX_VERTICES>> {
+        steps: &mut Steps,
+    ) -> bool {
         let k = path.edges();
         let Breakup { b, c } = self.parts;
-        let mut out = ArrayVec::new();
         for i in 0..=k {
             let follows = i > b && i < k && path.vertices[i].is_smooth();
-            out.push(if follows {
-                let h = chain.half_vector(i, self.settings.form)?;
+            steps.push(if follows {
+                let Some(h) = chain.half_vector(i, self.settings.form) else {
+                    return false;
+                };
                 Some(free_step(&chain.vertices[i], h, self.settings))
             } else {
                 None
             });
         }
-        if let Some(segment) = segment {
-            let is_limited = b == k && self.settings.is_stratified;
-            let tables = &self.tracer.view.tables;
-            let steps = segment_steps(tables, path, chain, segment, c, is_limited, self.settings)?;
-            for i in c + 1..b {
-                if path.vertices[i].is_smooth() {
-                    out[i] = Some(steps[i - c]);
-                }
-            }
-        }
-        Some(out)
+        let Some(segment) = segment else {
+            return true;
+        };
+        let is_limited = b == k && self.settings.is_stratified;
+        let tables = &self.tracer.view.tables;
+        segment_steps(
+            tables,
+            path,
+            chain,
+            segment,
+            c,
+            is_limited,
+            self.settings,
+            steps,
+        )
     }
 
     /// Moves the film position, the lens point and all vertices down to b.

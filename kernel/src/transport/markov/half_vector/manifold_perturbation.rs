@@ -22,12 +22,13 @@ use super::super::algorithm::WalkCounts;
 use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::closing::{Closing, ClosingEnd, held, with_capacity};
 use super::measure::{segment_factor, towards_light, vertex_factor};
-use super::path_chain::PathChain;
+use super::path_chain::{ChainPair, PathChain, Scattering};
 use super::reconnection::{Method, Segment};
-use super::settings::roughness_kind;
+use super::settings::{HalfVectorSettings, roughness_kind};
 use super::tracing::{trace_from_light, trace_from_sensor, walked};
 use crate::bsdf::Bsdf;
 use crate::manifold::half_vector_form;
+use crate::manifold::walk::walk_start;
 use crate::math::float::{exp, exp_m1, ln, ln_1p, sin_cos_2pi, sqrt};
 use crate::math::scaled::Scaled;
 use crate::math::{Frame, Ray, warp};
@@ -49,6 +50,8 @@ pub const ROUGH_ANGLE: f32 = 13.0 / 180.0 * PI;
 const FROM_SENSOR: f32 = 0.25;
 
 const FORM: u32 = half_vector_form::SLOPE;
+
+const ROUGHNESS: u32 = roughness_kind::LOCAL;
 
 /// A way to perturb a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -226,7 +229,8 @@ pub fn propose<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
     x: &ChainPath,
     y: &mut ChainPath,
-    lambda: f32,
+    settings: &HalfVectorSettings,
+    chains: &mut ChainPair,
     bsdf: &mut Bsdf,
     sampler: &mut S,
     counts: &mut WalkCounts,
@@ -238,14 +242,17 @@ pub fn propose<T: Traverse, S: Sampler>(
     if k < 2 {
         return 0.0;
     }
-    let mut chain = PathChain::EMPTY;
-    chain.set(tables, x, reference, roughness_kind::LOCAL, bsdf);
+    let (chain, of_y) = chains.begin(tables, x, reference, ROUGHNESS, bsdf);
     let mut rough = [false; MAX_VERTICES];
     for (i, rough) in rough.iter_mut().enumerate().take(k).skip(1) {
         *rough = sampler.next_1d() < p_rough(chain.vertices[i].alpha.x);
     }
     let kind = tables.emitters[x.emitter as usize].kind;
-    let plans = plans(k, &rough, !is_delta(kind), x.is_infinite(tables));
+    let mut plans = plans(k, &rough, !is_delta(kind), x.is_infinite(tables));
+    if settings.start != walk_start::CHOSEN {
+        let from_sensor = settings.start == walk_start::SENSOR;
+        plans.retain(|plan| plan.is_from_sensor() == from_sensor);
+    }
     if plans.is_empty() {
         return 0.0;
     }
@@ -254,13 +261,19 @@ pub fn propose<T: Traverse, S: Sampler>(
     let go = Perturbation {
         tracer,
         x,
-        chain: &chain,
+        chain,
         rough: &rough,
         plan,
-        lambda,
+        lambda: settings.lambda,
         reference,
     };
-    with_capacity!(len, N => go.propose::<S, N>(y, u_turn, bsdf, sampler, counts))
+    let ratio = with_capacity!(len, N => {
+        go.propose::<S, N>((y, of_y), u_turn, bsdf, sampler, counts)
+    });
+    if ratio > 0.0 {
+        chains.proposed(ROUGHNESS);
+    }
+    ratio
 }
 
 struct Perturbation<'a, T: Traverse> {
@@ -276,7 +289,7 @@ struct Perturbation<'a, T: Traverse> {
 impl<T: Traverse> Perturbation<'_, T> {
     fn propose<S: Sampler, const N: usize>(
         &self,
-        y: &mut ChainPath,
+        (y, of_y): (&mut ChainPath, &mut PathChain),
         u: Vec2,
         bsdf: &mut Bsdf,
         sampler: &mut S,
@@ -318,6 +331,7 @@ impl<T: Traverse> Perturbation<'_, T> {
                 target: &h,
                 back: &h,
                 method: Method::Exploration,
+                start: walk_start::CHOSEN,
             };
             let end = if plan.is_from_sensor() {
                 ClosingEnd::High
@@ -329,7 +343,7 @@ impl<T: Traverse> Perturbation<'_, T> {
                 x,
                 chain,
                 segment.as_ref(),
-                y,
+                (y, of_y),
                 Some(end),
                 FORM,
                 counts,
@@ -337,26 +351,39 @@ impl<T: Traverse> Perturbation<'_, T> {
                 return 0.0;
             }
         }
-        if !y.evaluate(tables, &tracer.rules, bsdf) {
+        let mut scattering = [Scattering::NONE; MAX_VERTICES];
+        let is_lit = tracer.evaluate_and(y, bsdf, |path, i, directions, bsdf| {
+            let vertex = &path.vertices[i];
+            scattering[i] = Scattering::new(tables, vertex, directions, ROUGHNESS, bsdf);
+        });
+        if !is_lit {
             return 0.0;
         }
-        let mut of_y = PathChain::EMPTY;
-        of_y.set(tables, y, self.reference, roughness_kind::LOCAL, bsdf);
+        // What the walk has found, and the end where it began; what was traced before.
+        let (from, to) = (plan.a.min(plan.b), plan.a.max(plan.b));
+        let known = match plan.c {
+            Some(c) if c < plan.b => c + 1..plan.b + 1,
+            Some(c) => plan.b..c,
+            None => 0..0,
+        };
+        let moved = [known, from + 1..to];
+        of_y.follow(tables, y, chain, self.reference, &scattering, moved);
+        let of_y = &*of_y;
         let has_other_plans = y.is_infinite(tables) != x.is_infinite(tables);
         if has_other_plans || !of_y.has_kinds_of(chain, 1, k - 1) || !self.is_repeatable(y) {
             return 0.0;
         }
         let segment_of_y = match ends {
-            Some([low, high]) => match Segment::<N>::new(&of_y, low, high, FORM) {
+            Some([low, high]) => match Segment::<N>::new(of_y, low, high, FORM) {
                 Some(segment) => Some(segment),
                 None => return 0.0,
             },
             None => None,
         };
-        let there = target(tracer, y, &of_y, plan, segment_of_y.as_ref());
+        let there = target(tracer, y, of_y, plan, segment_of_y.as_ref());
         let here = target(tracer, x, chain, plan, segment.as_ref());
         let ln_back = self.ln_back(y);
-        let classes = ln_p_classes(&of_y, self.rough) - ln_p_classes(chain, self.rough);
+        let classes = ln_p_classes(of_y, self.rough) - ln_p_classes(chain, self.rough);
         let ratio = there.over(here).value() * exp(classes + ln_back - ln_there);
         if ratio > 0.0 && ratio <= f32::MAX {
             ratio

@@ -9,12 +9,13 @@ use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::settings::roughness_kind;
 use crate::bsdf::{Bsdf, event, local_beckmann_roughness, mode};
 use crate::manifold::ChainVertex;
-use crate::manifold::constraint::inner_constraint;
+use crate::manifold::constraint::inner_half_vector;
 use crate::manifold::step_size::DIFFUSE_ALPHA;
 use crate::math::Ray;
 use crate::path::whole_vertex::Vertex;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, SurfacePoint, Tables, camera_kind, emitter_kind, lobe_kind};
+use core::ops::Range;
 use glam::{Vec2, Vec3};
 
 /// The vertices of a path as those of a chain.
@@ -51,13 +52,47 @@ impl PathChain {
         self.vertices[k] = sensor_end(tables, path);
     }
 
+    /// Hangs the frames of all half vectors on another vector.
+    pub fn hang(&mut self, reference: Vec3) {
+        for i in 1..self.len.saturating_sub(1) {
+            self.vertices[i].reference = reference;
+        }
+    }
+
+    /// Becomes the chain of `path`, of which those vertices of a range are here already: vertices in `looked_up` are looked up
+    /// again, all others are where they were in `old`.
+    pub fn follow(
+        &mut self,
+        tables: &Tables<'_>,
+        path: &ChainPath,
+        old: &PathChain,
+        reference: Vec3,
+        scattering: &[Scattering; MAX_VERTICES],
+        [known, looked_up]: [Range<usize>; 2],
+    ) {
+        let k = path.edges();
+        self.len = k + 1;
+        for i in 1..k {
+            let mut vertex = if known.contains(&i) {
+                self.vertices[i]
+            } else if looked_up.contains(&i) {
+                let point = curved(tables, &path.vertices[i].point);
+                ChainVertex::from_surface_with(&point, reference)
+            } else {
+                old.vertices[i]
+            };
+            vertex.reference = reference;
+            self.vertices[i] = scattering[i].applied_to(vertex);
+        }
+        self.vertices[0] = light_end(tables, path);
+        self.vertices[k] = sensor_end(tables, path);
+    }
+
     /// The half vector of an inner vertex, in one of [`crate::manifold::half_vector_form`]; nothing where there is none.
     pub fn half_vector(&self, i: usize, form: u32) -> Option<Vec2> {
-        let x = self.vertices[i];
-        let previous = self.vertices[i - 1].facing(x.position);
-        let next = self.vertices[i + 1].facing(x.position);
-        let constraint = inner_constraint(&previous, &x, &next, form);
-        constraint.valid.then_some(constraint.h)
+        let [previous, next] = [i - 1, i + 1].map(|j| self.vertices[j].position);
+        let found = inner_half_vector(previous, &self.vertices[i], next, form);
+        found.valid.then_some(found.h)
     }
 
     /// Whether the half vectors of the inner vertices from `first` to `last` are of the same kind as those of another.
@@ -74,6 +109,64 @@ impl PathChain {
         (first..self.len)
             .map(|i| (self.vertices[i].position - self.vertices[i - 1].position).length())
             .sum()
+    }
+}
+
+/// The chains of the path where a Markov chain is and of the one that it proposes, kept from step to step.
+#[derive(Clone, Debug)]
+pub struct ChainPair {
+    chains: [PathChain; 2],
+    /// The roughness of each, plus one; 0 if it is not that of the path.
+    kinds: [u32; 2],
+    current: usize,
+}
+
+impl ChainPair {
+    /// Of no paths.
+    pub const EMPTY: ChainPair = ChainPair {
+        chains: [PathChain::EMPTY; 2],
+        kinds: [0; 2],
+        current: 0,
+    };
+
+    /// The chain of the current path `x`, and room for that of the proposed one.
+    pub fn begin(
+        &mut self,
+        tables: &Tables<'_>,
+        x: &ChainPath,
+        reference: Vec3,
+        roughness: u32,
+        bsdf: &mut Bsdf,
+    ) -> (&PathChain, &mut PathChain) {
+        let kind = &mut self.kinds[self.current];
+        let [first, second] = &mut self.chains;
+        let (of_x, of_y) = if self.current == 0 {
+            (first, second)
+        } else {
+            (second, first)
+        };
+        if *kind == roughness + 1 {
+            of_x.hang(reference);
+        } else {
+            *kind = roughness + 1;
+            of_x.set(tables, x, reference, roughness, bsdf);
+        }
+        (of_x, of_y)
+    }
+
+    /// Says of which roughness the chain of the proposed path is.
+    pub fn proposed(&mut self, roughness: u32) {
+        self.kinds[1 - self.current] = roughness + 1;
+    }
+
+    /// Forgets that of the path proposed before.
+    pub fn forget_proposed(&mut self) {
+        self.kinds[1 - self.current] = 0;
+    }
+
+    /// The proposed path becomes the current one.
+    pub fn accept(&mut self) {
+        self.current = 1 - self.current;
     }
 }
 
@@ -158,25 +251,65 @@ fn inner_vertex(
     let wc = frame.to_local(path.next_direction(i));
     let wl = frame.to_local(path.previous_direction(i));
     bsdf.look_up(tables, &vertex.point, wc, mode::RADIANCE);
-    let (transmits, alpha) = if vertex.is_smooth() {
-        let alpha = if roughness == roughness_kind::UNIT {
-            1.0
-        } else if roughness == roughness_kind::GLOBAL {
-            bsdf.roughness()
+    let found = Scattering::new(tables, vertex, [wc, wl], roughness, bsdf);
+    found.applied_to(ChainVertex::from_surface_with(&point, reference))
+}
+
+/// How an inner vertex scatters.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattering {
+    transmits: bool,
+    /// Index of refraction towards the sensor over that towards the light.
+    eta: f32,
+    /// Roughness.
+    alpha: f32,
+}
+
+impl Scattering {
+    /// Nothing.
+    pub const NONE: Scattering = Scattering {
+        transmits: false,
+        eta: 1.0,
+        alpha: 0.0,
+    };
+
+    /// At a vertex with local directions to the sensor and to the light, with its BSDF, which at a smooth vertex must be that for
+    /// the former; `roughness` is one of [`roughness_kind`].
+    pub fn new(
+        tables: &Tables<'_>,
+        vertex: &Vertex,
+        [wc, wl]: [Vec3; 2],
+        roughness: u32,
+        bsdf: &Bsdf,
+    ) -> Scattering {
+        let (transmits, alpha) = if vertex.is_smooth() {
+            let alpha = if roughness == roughness_kind::UNIT {
+                1.0
+            } else if roughness == roughness_kind::GLOBAL {
+                bsdf.roughness()
+            } else {
+                local_beckmann_roughness(bsdf, tables.data, wc, wl)
+            };
+            // A diffuse vertex has no roughness to speak of: it steps as a lobe of slope one does.
+            (wc.z * wl.z < 0.0, alpha.min(DIFFUSE_ALPHA))
         } else {
-            local_beckmann_roughness(bsdf, tables.data, wc, wl)
+            (vertex.event & event::TRANSMISSION != 0, 0.0)
         };
-        // A diffuse vertex has no roughness to speak of: it steps as a lobe of slope one does.
-        (wc.z * wl.z < 0.0, alpha.min(DIFFUSE_ALPHA))
-    } else {
-        (vertex.event & event::TRANSMISSION != 0, 0.0)
-    };
-    let eta = if transmits {
-        index_towards_sensor(bsdf, vertex.is_smooth(), wl.z)
-    } else {
-        1.0
-    };
-    ChainVertex::from_surface_with(&point, reference).scattering(transmits, eta, Vec2::splat(alpha))
+        let eta = if transmits {
+            index_towards_sensor(bsdf, vertex.is_smooth(), wl.z)
+        } else {
+            1.0
+        };
+        Scattering {
+            transmits,
+            eta,
+            alpha,
+        }
+    }
+
+    fn applied_to(&self, vertex: ChainVertex) -> ChainVertex {
+        vertex.scattering(self.transmits, self.eta, Vec2::splat(self.alpha))
+    }
 }
 
 /// Index of refraction on the side of the sensor over that on the side of the light: of the first lobe that bends what passes.

@@ -1,6 +1,7 @@
 //! What mutations in half-vector space can be told.
 
 use crate::manifold::half_vector_form;
+use crate::manifold::walk::walk_start;
 use crate::transport::settings::{ChainSettings, half_vector_flag};
 
 /// Which roughness scales the steps of half vectors.
@@ -14,7 +15,7 @@ pub mod roughness_kind {
     pub const UNIT: u32 = 2;
 }
 
-/// Settings of the half-vector mutation.
+/// Settings of the half-vector mutation and of manifold exploration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfVectorSettings {
     /// One of [`roughness_kind`].
@@ -23,8 +24,12 @@ pub struct HalfVectorSettings {
     pub form: u32,
     /// Whether the whole path moves in half-vector space, instead of breaking up.
     pub is_original: bool,
+    /// How narrow the directions are into which manifold exploration turns paths.
+    pub lambda: f32,
     /// Step over the optimal one of a lobe alone.
     pub gamma: f32,
+    /// Where projections of walks start: one of [`walk_start`].
+    pub start: u32,
     /// Whether steps lead a few percent of the image far at most.
     pub is_stratified: bool,
 }
@@ -47,7 +52,15 @@ impl HalfVectorSettings {
                 half_vector_form::SLOPE
             },
             is_original: has(half_vector_flag::ORIGINAL),
+            lambda: chains.lambda,
             gamma: chains.half_vector_step,
+            start: if has(half_vector_flag::FROM_LIGHT) {
+                walk_start::LIGHT
+            } else if has(half_vector_flag::FROM_SENSOR) {
+                walk_start::SENSOR
+            } else {
+                walk_start::CHOSEN
+            },
             is_stratified: !has(half_vector_flag::UNSTRATIFIED),
         }
     }

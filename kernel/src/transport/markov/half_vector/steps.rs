@@ -20,6 +20,7 @@ use crate::manifold::vertex::{ChainVertex, vertex_kind};
 use crate::math::float::ln;
 use crate::math::scaled::is_finite2;
 use crate::scene::{Tables, camera};
+use arrayvec::ArrayVec;
 use glam::{Mat2, Vec2};
 
 /// Least deviation of a step.
@@ -84,7 +85,11 @@ pub fn free_step(x: &ChainVertex, h: Vec2, settings: &HalfVectorSettings) -> Ste
     Step::new(x, gaussian, settings.form)
 }
 
-/// The steps of the vertices of a segment that begins at vertex `low`, limited by a step over the image or not; nothing where one is not finite.
+/// The steps of the vertices of a path, none at discrete events and where nothing moves.
+pub type Steps = ArrayVec<Option<Step>, MAX_VERTICES>;
+
+/// Sets the steps of the inner vertices of a segment that begins at vertex `low`, limited by a step over the image or not, but for
+/// discrete events; says whether all are finite.
 pub fn segment_steps<const N: usize>(
     tables: &Tables<'_>,
     path: &ChainPath,
@@ -93,19 +98,11 @@ pub fn segment_steps<const N: usize>(
     low: usize,
     is_limited: bool,
     settings: &HalfVectorSettings,
-) -> Option<[Step; MAX_VERTICES]> {
+    steps: &mut Steps,
+) -> bool {
     let len = segment.count();
-    let none = Step {
-        gaussian: SlopeGaussian {
-            center: Vec2::ZERO,
-            axis: Vec2::X,
-            deviation: Vec2::ZERO,
-        },
-        lobe: None,
-    };
-    let mut steps = [none; MAX_VERTICES];
     if len < 3 {
-        return Some(steps);
+        return true;
     }
     let mut weights = [0.0; N];
     spectrum_weights(&segment.vertices, len, &mut weights);
@@ -113,18 +110,23 @@ pub fn segment_steps<const N: usize>(
     let mut offsets = [Vec2::ZERO; 2];
     if is_limited {
         // D_i in slopes, in which widths are.
-        let slopes = if settings.form == half_vector_form::SLOPE {
-            segment.jacobian
+        let is_regular = if settings.form == half_vector_form::SLOPE {
+            segment.jacobian.lu.row_of_inverse(len - 2, &mut rows);
+            true
         } else {
-            ChainJacobian::new(&segment.vertices, len, half_vector_form::SLOPE)
+            let slopes = ChainJacobian::new(&segment.vertices, len, half_vector_form::SLOPE);
+            slopes.lu.row_of_inverse(len - 2, &mut rows);
+            slopes.is_regular()
         };
-        if !slopes.is_regular() {
-            return None;
+        if !is_regular {
+            return false;
         }
-        slopes.lu.row_of_inverse(len - 2, &mut rows);
         offsets = image_offsets(tables, path, &segment.vertices[len - 2]);
     }
     for i in 1..len - 1 {
+        if !path.vertices[low + i].is_smooth() {
+            continue;
+        }
         let x = &chain.vertices[low + i];
         let h = segment.jacobian.h[i];
         let image = if is_limited {
@@ -140,11 +142,11 @@ pub fn segment_steps<const N: usize>(
             settings.gamma,
         );
         if !is_finite2(gaussian.center) || !is_finite2(gaussian.deviation) {
-            return None;
+            return false;
         }
-        steps[i] = Step::new(x, gaussian, settings.form);
+        steps[low + i] = Some(Step::new(x, gaussian, settings.form));
     }
-    Some(steps)
+    true
 }
 
 /// How far the vertex before the sensor moves along both of its tangents with a step over the image to the right and down.

@@ -41,27 +41,13 @@ pub struct Change {
 
 /// Two-tailed geometric distribution around `center` over `low` to `high`.
 fn geometric(i: usize, center: usize, low: usize, high: usize) -> f32 {
-    let weight = |i: usize| {
-        let distance = i.abs_diff(center) as i32;
-        (-distance as f32).exp2_clamped()
-    };
+    // 2^-|i - c|, for far fewer vertices than the exponent has room for.
+    let weight = |i: usize| f32::from_bits((127 - i.abs_diff(center).min(126) as u32) << 23);
     if i < low || i > high {
         return 0.0;
     }
     let sum: f32 = (low..=high).map(weight).sum();
     weight(i) / sum
-}
-
-/// Powers of two of small negative numbers.
-trait Exp2 {
-    fn exp2_clamped(self) -> f32;
-}
-
-impl Exp2 for f32 {
-    #[inline]
-    fn exp2_clamped(self) -> f32 {
-        crate::math::float::exp(self * core::f32::consts::LN_2)
-    }
 }
 
 fn choose(u: f32, center: usize, low: usize, high: usize) -> usize {
@@ -286,7 +272,7 @@ pub fn propose<T: Traverse, S: Sampler>(
     } else if y.edges() == 1 && !may_be_seen(tables, y.emitter) || !join(tracer, y, lit - 1) {
         return false;
     }
-    y.evaluate(tables, &tracer.rules, bsdf)
+    tracer.evaluate(y, bsdf)
 }
 
 /// A ray on from the start of a light walk whose position, or whose direction if it is at infinity, is kept.

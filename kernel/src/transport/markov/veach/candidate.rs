@@ -108,7 +108,7 @@ pub fn paths<T: Traverse, S: Sampler>(
     path.u_lens = u_lens;
     let mut finish = |path: &mut ChainPath, survived: f32| {
         path.film = film;
-        if !path.evaluate(tables, &tracer.rules, &mut bsdf) {
+        if !tracer.evaluate(path, &mut bsdf) {
             return add(path, 0.0);
         }
         let sum: f32 = (0..=path.edges())

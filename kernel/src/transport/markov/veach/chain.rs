@@ -1,15 +1,18 @@
 //! A chain of whole paths, and the group that it belongs to.
 
+use super::balance::Probe;
 use super::bidirectional::{self, Change};
 use super::candidate;
 use super::perturbation::{caustic_start, propose_from_light, propose_from_sensor, sensor_chain};
 use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::Bsdf;
 use crate::path::PathExpressions;
+use crate::path::remainder::Remainder;
 use crate::path::tracer::Tracer;
 use crate::sampler::{FreshSamples, Sampler, mix};
 use crate::scene::{SceneView, Traverse};
 use crate::transport::markov::algorithm::{ChainAlgorithm, MutationCounts, StepRecord};
+use crate::transport::markov::half_vector::path_chain::ChainPair;
 use crate::transport::markov::half_vector::{
     HalfVectorSettings, half_vector_mutation, manifold_perturbation,
 };
@@ -41,7 +44,6 @@ pub struct VeachChains<'a, T: Traverse> {
     limits: [usize; 2],
     /// Weights in the choice of a mutation.
     weights: [f32; mutation::COUNT],
-    lambda: f32,
     half_vectors: HalfVectorSettings,
     seed: u32,
     group: u32,
@@ -51,14 +53,23 @@ pub struct VeachChains<'a, T: Traverse> {
 
 /// A chain.
 pub struct VeachChain {
-    current: ChainPath,
-    proposed: ChainPath,
+    /// The current and the proposed one, in this order or the other.
+    paths: [ChainPath; 2],
+    /// Which is the current one.
+    current: usize,
     /// Steps that the current path has yet to count for.
     pending: f32,
     number: u32,
     step: u32,
     last: StepRecord,
+    half_vectors: ChainPair,
     counts: [MutationCounts; mutation::COUNT],
+}
+
+impl VeachChain {
+    fn current(&self) -> &ChainPath {
+        &self.paths[self.current]
+    }
 }
 
 impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
@@ -74,7 +85,11 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         let own = &settings.chains;
         let hidden = if rules.hide_emitters != 0 { 2 } else { 1 };
         VeachChains {
-            tracer: Tracer { view, rules },
+            tracer: Tracer {
+                view,
+                rules,
+                beside: None,
+            },
             limits: [
                 min_edges.max(hidden) as usize,
                 (rules.max_depth as usize).min(MAX_VERTICES - 1),
@@ -87,12 +102,33 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
                 own.manifold_weight,
                 own.half_vector_weight,
             ],
-            lambda: own.lambda,
             half_vectors: HalfVectorSettings::new(own),
             seed,
             group,
             expressions: None,
         }
+    }
+
+    /// Beside path tracing, which keeps part of what it finds.
+    #[must_use]
+    pub fn beside(mut self, remainder: Option<Remainder>) -> Self {
+        self.tracer.beside = remainder;
+        self
+    }
+
+    /// Hands on what the choice of a remainder needs to know of the paths of a candidate.
+    pub fn probe(&self, candidate: u32, mut add: impl FnMut(Probe)) {
+        let tables = &self.tracer.view.tables;
+        self.candidate(candidate, |path, weight| {
+            if weight > 0.0 && weight < f32::MAX {
+                add(Probe {
+                    weight,
+                    luminance: path.luminance(),
+                    pdf: [0, 1].map(|s| path.strategy_pdf(tables, s, false)),
+                    edges: path.edges() as u32,
+                });
+            }
+        });
     }
 
     /// With an image for each path expression beside the whole. Where nothing counts but the paths of the first, those are the
@@ -176,8 +212,15 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         sampler: &mut FreshSamples,
         bsdf: &mut Bsdf,
     ) -> f32 {
-        let (x, y) = (&chain.current, &mut chain.proposed);
+        let [first, second] = &mut chain.paths;
+        let (x, y) = if chain.current == 0 {
+            (&*first, second)
+        } else {
+            (&*second, first)
+        };
         let walks = &mut chain.counts[kind].walks;
+        let chains = &mut chain.half_vectors;
+        chains.forget_proposed();
         let tracer = &self.tracer;
         let ratio = match kind {
             mutation::BIDIRECTIONAL => {
@@ -197,11 +240,12 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
                 None => 0.0,
             },
             mutation::MANIFOLD => {
-                manifold_perturbation::propose(tracer, x, y, self.lambda, bsdf, sampler, walks)
+                let settings = &self.half_vectors;
+                manifold_perturbation::propose(tracer, x, y, settings, chains, bsdf, sampler, walks)
             }
             mutation::HALF_VECTOR => {
                 let settings = &self.half_vectors;
-                half_vector_mutation::propose(tracer, x, y, settings, bsdf, sampler, walks)
+                half_vector_mutation::propose(tracer, x, y, settings, chains, bsdf, sampler, walks)
             }
             _ => propose_from_sensor(tracer, x, y, bsdf, sampler),
         };
@@ -229,18 +273,19 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
 
     fn start(&self, candidate: u32, member: u32, number: u32) -> VeachChain {
         let mut chain = VeachChain {
-            current: ChainPath::empty(),
-            proposed: ChainPath::empty(),
+            paths: [ChainPath::empty(), ChainPath::empty()],
+            current: 0,
             pending: 0.0,
             number,
             step: 0,
             last: StepRecord::default(),
+            half_vectors: ChainPair::EMPTY,
             counts: Default::default(),
         };
         let mut index = 0;
         self.candidate(candidate, |path, _| {
             if index == member {
-                chain.current.clone_from(path);
+                chain.paths[0].clone_from(path);
             }
             index += 1;
         });
@@ -252,7 +297,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
         let seed = mix(self.seed ^ stream::CHAIN).wrapping_add(self.group);
         let mut sampler = FreshSamples::new(seed, chain.number, chain.step);
         let mut bsdf = Bsdf::BLACK;
-        let allowed = self.allowed(&chain.current);
+        let allowed = self.allowed(chain.current());
         let (u, u_accept) = (sampler.next_1d(), sampler.next_1d());
         let mut left = u * allowed.iter().sum::<f32>();
         let mut kind = 0;
@@ -263,14 +308,14 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
         if !(allowed[kind] > 0.0) {
             // No mutation is allowed here, or rounding left none.
             chain.last = StepRecord {
-                film: chain.current.film,
+                film: chain.current().film,
                 ..StepRecord::default()
             };
             chain.pending += 1.0;
             return;
         }
         let before = chain.counts[kind].walks;
-        chain.last.film = chain.current.film;
+        chain.last.film = chain.current().film;
         let acceptance = self.propose(kind, &allowed, chain, &mut sampler, &mut bsdf);
         let walks = &mut chain.counts[kind].walks;
         let is_jump = walks.jumps > before.jumps;
@@ -289,16 +334,17 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
         if u_accept < acceptance {
             counts.accepted += 1;
             self.finish(chain, b, add);
-            core::mem::swap(&mut chain.current, &mut chain.proposed);
+            chain.current = 1 - chain.current;
+            chain.half_vectors.accept();
             chain.pending = acceptance;
         } else if acceptance > 0.0 {
-            self.add_path(&chain.proposed, acceptance * b, add);
+            self.add_path(&chain.paths[1 - chain.current], acceptance * b, add);
         }
     }
 
     fn finish(&self, chain: &mut VeachChain, b: f32, add: &mut impl FnMut(Splat)) {
         if chain.pending > 0.0 {
-            self.add_path(&chain.current, chain.pending * b, add);
+            self.add_path(chain.current(), chain.pending * b, add);
             chain.pending = 0.0;
         }
     }

@@ -2,13 +2,15 @@
 //!
 //! - [`bidirectional`]: part of the path is deleted and replaced by walks from both of its ends;
 //! - [`perturbation`]: the lens, multi-chain and caustic perturbations move some of the vertices a little;
-//! - [`candidate`]: paths from which chains start.
+//! - [`candidate`]: paths from which chains start;
+//! - [`balance`]: what path tracing finds for them.
 //!
 //! A mutation is chosen among those that the path allows, in proportion to their weights; the probability of the choice is part of
 //! T. Perturbations keep what decides which are allowed, so that it cancels there.
 //!
 //! Paths have at most [`MAX_VERTICES`] vertices; what longer ones carry is lost.
 
+pub mod balance;
 pub mod bidirectional;
 pub mod candidate;
 pub mod chain;

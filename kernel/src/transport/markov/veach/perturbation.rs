@@ -194,7 +194,7 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
     if last > 0 && !join(tracer, y, last - 1) {
         return 0.0;
     }
-    if !y.evaluate(tables, &tracer.rules, bsdf) || !events_are_unique(y, last, k) {
+    if !tracer.evaluate(y, bsdf) || !events_are_unique(y, last, k) {
         return 0.0;
     }
     let target = |path: &ChainPath| {
@@ -255,10 +255,7 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
         append_from_light(y, vertex);
     }
     y.vertices.push(x.vertices[k]);
-    if !join(tracer, y, k - 1)
-        || !y.evaluate(tables, &tracer.rules, bsdf)
-        || !events_are_unique(y, start + 1, k)
-    {
+    if !join(tracer, y, k - 1) || !tracer.evaluate(y, bsdf) || !events_are_unique(y, start + 1, k) {
         return 0.0;
     }
     // Not proposed the other way round if the angle is none of y's.

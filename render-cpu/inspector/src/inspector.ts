@@ -50,7 +50,6 @@ export class Inspector {
     this.describeScene();
     if (this.state.pose) this.space.pose = this.state.pose;
     this.update();
-    this.opened = performance.now();
   }
 
   /** Changes the state, and shows it. */
@@ -83,8 +82,6 @@ export class Inspector {
   }
 
   private version = 0;
-  /** Milliseconds from the beginning of loading until everything was there. */
-  opened = 0;
 
   private update(): void {
     const { state, selection } = this;
@@ -522,6 +519,12 @@ export class Inspector {
   /** The sum of the voxels of the box. */
   voxelSum(): number {
     return this.volume().values.reduce((a, b) => a + b, 0);
+  }
+
+  /** Milliseconds since the page was asked for, once what is shown is drawn. */
+  drawn(): number {
+    this.space.finish();
+    return performance.now();
   }
 
   /** Numbers of what is shown. */

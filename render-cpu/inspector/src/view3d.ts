@@ -12,6 +12,8 @@ import { pick, rowEdge } from "./measure.ts";
 export type MeshLook = "solid" | "x-ray" | "hidden";
 
 const ARROW_SIDES = 8;
+/** Triangles beyond which edges are not smoothed: most of them are smaller than a pixel then. */
+const SMOOTH_TRIANGLES = 400_000;
 /** Most paths that are drawn as lines: more of them would cover everything, and say no more. */
 export const MOST_LINES = 5000;
 
@@ -34,6 +36,8 @@ export class View3d {
   private volume = new THREE.Group();
   private mark!: THREE.Mesh;
   private isDirty = false;
+  private isShown = false;
+  private size = [0, 0];
   /** The field of view follows the image's until the camera is moved. */
   private isSensor = true;
   onCamera: () => void = () => {};
@@ -45,7 +49,7 @@ export class View3d {
     private readonly places: Float32Array,
     seen: { focus: number[]; unit: number },
   ) {
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ antialias: data.indices.length < 3 * SMOOTH_TRIANGLES, alpha: true });
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     this.canvas = this.renderer.domElement;
     this.canvas.tabIndex = 0;
@@ -97,6 +101,7 @@ export class View3d {
   }
 
   render(): void {
+    this.isShown = true;
     const distance = this.camera.position.distanceTo(this.center);
     this.camera.near = Math.max(distance - 1.5 * this.radius, 0.001 * this.unit);
     this.camera.far = distance + 4 * this.radius;
@@ -106,13 +111,24 @@ export class View3d {
     this.renderer.render(this.scene, this.camera);
   }
 
+  /** Draws, and waits until it is drawn. */
+  finish(): void {
+    this.render();
+    const context = this.renderer.getContext();
+    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.container;
-    if (width === 0 || height === 0) return;
+    const isOld = width === this.size[0] && height === this.size[1];
+    if (width === 0 || height === 0 || isOld) return;
+    this.size = [width, height];
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     if (this.isSensor) this.fitSensor();
-    this.render();
+    // At once: a canvas of a new size is empty, and would flicker.
+    if (this.isShown) this.render();
+    else this.invalidate();
   }
 
   private addMesh(): void {

@@ -43,6 +43,13 @@ pub(super) fn run(
     quiet: bool,
 ) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     let name = args.output.display();
+    if args
+        .output
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
+        return Err(format!("{name}: say with --tool what the picture shows; without one a page is written, and its name ends in .html").into());
+    }
     output_file::check(&args.output, &["html"], args.inputs())?;
     set_threads(args.threads)?;
     let mut scene = args.scene.load()?;

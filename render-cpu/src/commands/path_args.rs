@@ -12,6 +12,7 @@ use crate::inspect::record_file::PathRecord;
 use crate::scene::build::Scene;
 use clap::Args;
 use halflight_kernel::scene::{SceneView, Traverse};
+use halflight_kernel::transport::recorded::{RecordedVertex, vertex_kind};
 use std::error::Error;
 use std::fs::File;
 use std::io::BufReader;
@@ -88,8 +89,15 @@ impl PathArgs {
             Ok(found) => found,
             Err(error) => return wrong(error.to_string()),
         };
+        let [shapes, emitters] = [scene.tables.shapes.len(), scene.tables.emitters.len()];
+        let is_there = |v: &RecordedVertex| match v.kind {
+            vertex_kind::SENSOR => true,
+            vertex_kind::LIGHT | vertex_kind::LIGHT_AT_INFINITY => (v.object as usize) < emitters,
+            _ => (v.object as usize) < shapes,
+        };
         if found.header.shapes != scene.names.shapes
             || found.header.emitters != scene.names.emitters
+            || !found.paths.iter().flat_map(|p| &p.vertices).all(is_there)
         {
             return wrong("these are paths of another scene".to_owned());
         }

@@ -48,6 +48,25 @@ pub struct RecordedPath {
     pub vertices: Vec<RecordedVertex>,
 }
 
+impl RecordedPath {
+    /// Whether it leads from a sensor over surfaces to a light, with numbers that are finite.
+    fn is_sound(&self) -> bool {
+        let is_finite = |v: &RecordedVertex| {
+            let numbers = v.position.iter().chain(&v.throughput);
+            numbers.copied().all(f32::is_finite)
+        };
+        let [first, inner @ .., last] = &self.vertices[..] else {
+            return false;
+        };
+        first.kind == vertex_kind::SENSOR
+            && inner.iter().all(|v| v.kind < scattering::COUNT)
+            && (last.kind == vertex_kind::LIGHT || last.kind == vertex_kind::LIGHT_AT_INFINITY)
+            && self.vertices.iter().all(is_finite)
+            && self.weight >= 0.0
+            && self.weight.is_finite()
+    }
+}
+
 /// What all paths of a record have in common.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecordHeader {
@@ -187,12 +206,16 @@ impl PathRecord {
                 }
                 vertices.push(bytemuck::cast::<[u32; 8], RecordedVertex>(words));
             }
-            paths.push(RecordedPath {
+            let path = RecordedPath {
                 pixel: [word(0), word(1)],
                 light: [2, 3, 4].map(|i| f32::from_bits(word(i))),
                 weight: f32::from_bits(word(5)),
                 vertices,
-            });
+            };
+            if !path.is_sound() {
+                return Err(wrong("a path does not lead from a sensor to a light"));
+            }
+            paths.push(path);
         }
         Ok(PathRecord { header, paths })
     }

@@ -141,6 +141,20 @@ fn records_hold_what_was_asked_for() {
     for length in [0, 7, 30, bytes.len() - 1] {
         assert!(PathRecord::read_bytes(&mut &bytes[..length]).is_err());
     }
+    // What no walk makes is no path: a sensor among surfaces, a place that is no number, a single vertex.
+    let spoilt = |change: &dyn Fn(&mut PathRecord)| {
+        let mut record = found.clone();
+        change(&mut record);
+        let mut bytes = Vec::new();
+        record.write_bytes(&mut bytes).unwrap();
+        PathRecord::read_bytes(&mut bytes.as_slice()).is_err()
+    };
+    assert!(!spoilt(&|_| {}));
+    assert!(spoilt(&|r| r.paths[3].vertices[1].kind = 8));
+    assert!(spoilt(&|r| r.paths[0].vertices[0].kind = 99));
+    assert!(spoilt(&|r| r.paths[9].vertices[2].position[1] = f32::NAN));
+    assert!(spoilt(&|r| r.paths[1].vertices.truncate(1)));
+    assert!(spoilt(&|r| r.paths[1].weight = -1.0));
     let mut lines = Vec::new();
     found.write_lines(&mut lines).unwrap();
     let lines = String::from_utf8(lines).unwrap();

@@ -3,6 +3,7 @@
 //! Tests in a browser are skipped where there is no Chromium, with the reason, unless `HALFLIGHT_REQUIRE_CHROMIUM` is set.
 
 mod browser;
+mod command;
 #[path = "../expressions/matcher.rs"]
 #[allow(dead_code)]
 mod matcher;

@@ -74,6 +74,12 @@ pub const INTEGRATORS: &[Integrator] = &[
         &["volpath", "volpath_simple", "volpathmis"],
         integrator("path", PATH, Pixels, "path tracing"),
     ),
+    integrator(
+        "mnee",
+        MANIFOLD_PATH,
+        Pixels,
+        "path tracing that connects to lights through glass",
+    ),
     incomplete(integrator("direct", DIRECT, Pixels, "direct illumination")),
     incomplete(integrator(
         "ao",

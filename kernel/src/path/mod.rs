@@ -27,6 +27,7 @@
 //! - [`expression`], [`scattered`], [`path_states`], `whole_shares`: which sets of paths a path belongs to, and the walks that
 //!   find out;
 //! - `retarget`, `retarget_states`, `retargeted`: edits, which paths they turn, and what they do at a vertex;
+//! - `through_interfaces`: connections through glass, by walks on manifolds (hosts only);
 //! - `whole`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of all strategies, for Markov chains.
 
 pub mod arrival;
@@ -56,6 +57,8 @@ pub mod subpath;
 // Whole paths are for hosts only: chains keep their surface points, for which a shader has no room.
 #[cfg(not(target_arch = "spirv"))]
 pub mod specular;
+#[cfg(not(target_arch = "spirv"))]
+pub mod through_interfaces;
 #[cfg(not(target_arch = "spirv"))]
 pub mod tracer;
 pub mod vertex;

@@ -11,6 +11,7 @@
 //! | [`regularized_path`] | path tracing whose next event estimation is regularised |
 //! | [`divided`] | path tracing whose light is divided by path expressions |
 //! | `retargeted` | path tracing, bidirectional path tracing and merging with edits of light transport (hosts only) |
+//! | `manifold_path` | path tracing that connects to lights through refracting interfaces (hosts only) |
 //! | [`irradiance`], `recorded` | what falls on a surface; paths with their vertices (hosts only) |
 //! | [`connection`] | next event estimation |
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
@@ -28,6 +29,8 @@ pub mod connection;
 pub mod direct;
 pub mod divided;
 pub mod irradiance;
+#[cfg(not(target_arch = "spirv"))]
+pub mod manifold_path;
 #[cfg(not(target_arch = "spirv"))]
 pub mod markov;
 pub mod path;

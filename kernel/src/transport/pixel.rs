@@ -21,6 +21,10 @@ pub fn sample_pixel<T: Traverse, S: Sampler>(
         integrator_kind::AMBIENT_OCCLUSION => {
             ambient_occlusion::radiance(view, settings, sampler, ray)
         }
+        #[cfg(not(target_arch = "spirv"))]
+        integrator_kind::MANIFOLD_PATH => {
+            super::manifold_path::radiance(view, settings, sampler, ray)
+        }
         _ => path::radiance(view, settings, sampler, ray),
     })
 }

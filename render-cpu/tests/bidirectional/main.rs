@@ -4,6 +4,7 @@ mod agreement;
 mod case;
 mod densities;
 mod features;
+mod interfaces;
 mod masks;
 mod matrix;
 mod reverse;

@@ -39,6 +39,7 @@ impl Builder {
         let finds_beams = !matches!(
             kind,
             integrator_kind::PATH
+                | integrator_kind::MANIFOLD_PATH
                 | integrator_kind::DIRECT
                 | integrator_kind::AMBIENT_OCCLUSION
                 | integrator_kind::VEACH_MLT

@@ -1,17 +1,18 @@
 // The page as one object: the state, what follows from it, and the views that show it.
 
-import { clusterColor, luminance, scaleOf, short, valueAt, MAP, type Scale } from "./color.ts";
-import { clusterTree, bundles as bundlesOf, type Cluster, type ClusterBy, type ClusterFrom } from "./clusters.ts";
+import { clusterColor, luminance, scaleOf, short, type Scale } from "./color.ts";
+import type { Cluster } from "./clusters.ts";
 import type { Data } from "./data.ts";
 import { byId, choice, el, isSliding, refill, slider } from "./dom.ts";
-import { Matcher } from "./expression/matcher.ts";
-import { ExpressionError } from "./expression/syntax.ts";
 import { fillHelp } from "./help.ts";
 import { ImageView } from "./image-view.ts";
+import { onKey } from "./keys.ts";
+import { showLegend } from "./legend.ts";
 import { frameOf, plotOfPaths, rasterise, type Plot, type Volume } from "./measure.ts";
 import { panelOf, TOOL_NAMES } from "./panels.ts";
 import { Selection } from "./selection.ts";
 import { TOOLS, fromFragment, toFragment, type State } from "./state.ts";
+import { connectSplitter } from "./splitter.ts";
 import { ClusterView, PathView } from "./tree.ts";
 import { MOST_LINES, View3d } from "./view3d.ts";
 
@@ -27,10 +28,10 @@ export class Inspector {
   readonly selection: Selection;
   /** The scale of the tool that is chosen. */
   scale: Scale | null = null;
-  private readonly space: View3d;
-  private readonly image: ImageView;
+  readonly space: View3d;
+  readonly image: ImageView;
   private readonly clusters: ClusterView;
-  private readonly paths: PathView;
+  readonly paths: PathView;
   private shown: Partial<Record<"image" | "plot" | "volume" | "panel" | "lines", string>> = {};
   private readonly luminances: { radiance: Float32Array; irradiance: Float32Array | null };
 
@@ -163,10 +164,10 @@ export class Inspector {
         this.scale = scaleOf(values, state.least, state.most, this.isLog);
         this.image.showScaled(values, this.scale);
         const unit = state.quantity === "irradiance" ? "irradiance, W/m²" : "radiance, W/(m² sr)";
-        this.showLegend("picture-legend", this.scale, unit);
+        showLegend("picture-legend", this.scale, unit);
       } else {
         this.image.showToned(state.exposure);
-        this.showLegend("picture-legend", null, "");
+        showLegend("picture-legend", null, "");
       }
     }
   }
@@ -184,7 +185,7 @@ export class Inspector {
       if (isPlot) {
         this.scale = scale;
         const what = state.measured !== null ? "radiance, W/(m² sr)" : "recorded light, per m² and sr";
-        this.showLegend("space-legend", scale, what);
+        showLegend("space-legend", scale, what);
       }
     }
     if (this.isNew("volume", isVolume, ...(isVolume ? [this.version, this.box, state.voxels, state.density, scaled] : []))) {
@@ -194,10 +195,10 @@ export class Inspector {
       this.space.setVolume(volume, scale, (4 * state.density) / size);
       if (isVolume) {
         this.scale = scale;
-        this.showLegend("space-legend", scale, "recorded light, per m²");
+        showLegend("space-legend", scale, "recorded light, per m²");
       }
     }
-    if (!isPlot && !isVolume) this.showLegend("space-legend", null, "");
+    if (!isPlot && !isVolume) showLegend("space-legend", null, "");
   }
 
   private plot(): Plot | null {
@@ -213,7 +214,7 @@ export class Inspector {
     return plotOfPaths(data.paths, selection.places, selection.selected, state.probe.slice(0, 3), radius, frame, isOnSurface, PLOT_ROWS);
   }
 
-  private volume(): Volume {
+  volume(): Volume {
     const { state, data, selection } = this;
     const box = this.box;
     const low = [0, 1, 2].map((a) => box[a] - 0.5 * box[3 + a]);
@@ -253,25 +254,9 @@ export class Inspector {
     return [...center, size, size, size];
   }
 
-  private showLegend(id: string, scale: Scale | null, what: string): void {
-    const box = byId(id);
-    box.hidden = scale === null;
-    if (!scale) return;
-    const bar = el("canvas", { width: 256, height: 1 });
-    const context = bar.getContext("2d")!;
-    const row = context.createImageData(256, 1);
-    for (let i = 0; i < 256; i++) {
-      const entry = 3 * Math.round((1023 * i) / 255);
-      row.data.set([MAP[entry], MAP[entry + 1], MAP[entry + 2], 255], 4 * i);
-    }
-    context.putImageData(row, 0, 0);
-    const ticks = [0, 0.25, 0.5, 0.75, 1].map((place) => el("span", { style: `left: ${100 * place}%` }, short(valueAt(scale, place))));
-    box.replaceChildren(el("div", { class: "what" }, what + (scale.isLog ? ", logarithmic" : "")), bar, el("div", { class: "ticks" }, ...ticks));
-  }
-
   private showPanel(): void {
     const { state } = this;
-    const { exposure: _, pose: __, expression: ___, cluster: ____, ...rest } = state;
+    const { pose: _, expression: __, cluster: ___, ...rest } = state;
     if (isSliding()) return;
     if (!this.isNew("panel", rest, this.scale, this.selection.selected.length > MOST_LINES)) return;
     refill(
@@ -303,7 +288,7 @@ export class Inspector {
     );
   }
 
-  private viewSensor(): void {
+  viewSensor(): void {
     this.space.viewSensor();
     this.set({ pose: null });
   }
@@ -363,38 +348,14 @@ export class Inspector {
       this.space.pose = this.state.pose;
       this.update();
     });
-    addEventListener("keydown", (e) => this.key(e));
-    this.connectSplitter();
+    addEventListener("keydown", (e) => onKey(this, e));
+    connectSplitter();
   }
 
   private hoverCluster(cluster: Cluster | null): void {
     byId("hover").textContent = cluster
       ? `${cluster.labels.join(" ")}   ·   ${(cluster.end - cluster.begin).toLocaleString("en")} paths   ·   weight ${short(cluster.weight)}`
       : "";
-  }
-
-  private connectSplitter(): void {
-    const splitter = byId("splitter");
-    const main = splitter.parentElement!;
-    let isDragged = false;
-    const move = (width: number) => {
-      const most = main.clientWidth - byId("tools").clientWidth - 165;
-      main.style.setProperty("--split", `${Math.min(most, Math.max(160, width))}px`);
-    };
-    splitter.addEventListener("pointerdown", (e) => {
-      isDragged = true;
-      splitter.setPointerCapture(e.pointerId);
-    });
-    splitter.addEventListener("pointermove", (e) => isDragged && move(e.clientX));
-    splitter.addEventListener("pointerup", () => (isDragged = false));
-    splitter.addEventListener("dblclick", () => main.style.removeProperty("--split"));
-    splitter.addEventListener("keydown", (e) => {
-      const by = e.key === "ArrowLeft" ? -24 : e.key === "ArrowRight" ? 24 : 0;
-      if (by === 0) return;
-      move(byId("space").clientWidth + by);
-      e.preventDefault();
-      e.stopPropagation();
-    });
   }
 
   private clear(): void {
@@ -404,7 +365,7 @@ export class Inspector {
   }
 
   /** Takes back the last of what was chosen. */
-  private back(): void {
+  back(): void {
     const { state } = this;
     if (this.paths.chosen !== null) this.paths.choose(null);
     else if (state.cluster.length > 0) this.set({ cluster: [] });
@@ -412,7 +373,7 @@ export class Inspector {
     else if (state.expression) this.clear();
   }
 
-  private async copyLink(): Promise<void> {
+  async copyLink(): Promise<void> {
     const hover = byId("hover");
     try {
       await navigator.clipboard.writeText(location.href);
@@ -421,124 +382,6 @@ export class Inspector {
       // Browsers keep the clipboard from pages that are files.
       hover.textContent = location.href;
     }
-  }
-
-  private key(e: KeyboardEvent): void {
-    const target = e.target as HTMLElement;
-    const isText = target instanceof HTMLInputElement && target.type === "text";
-    const help = byId<HTMLDialogElement>("help");
-    if (isText || e.ctrlKey || e.metaKey || e.altKey) return;
-    if (help.open) {
-      if (e.key === "?") help.close();
-      return;
-    }
-    const { state } = this;
-    const isSlider = target instanceof HTMLInputElement && target.type === "range";
-    const arrows: Record<string, [number, number]> = {
-      ArrowLeft: [-0.12, 0],
-      ArrowRight: [0.12, 0],
-      ArrowUp: [0, -0.12],
-      ArrowDown: [0, 0.12],
-    };
-    if (e.key in arrows) {
-      if (isSlider) return;
-      this.space.orbit(...arrows[e.key]);
-      e.preventDefault();
-      return;
-    }
-    const actions: Record<string, () => void> = {
-      "1": () => this.set({ tool: "paths" }),
-      "2": () => this.set({ tool: "color" }),
-      "3": () => this.set({ tool: "plot" }),
-      "4": () => this.set({ tool: "volume" }),
-      e: () => byId("expression").focus(),
-      "/": () => byId("expression").focus(),
-      Escape: () => this.back(),
-      j: () => this.paths.step(1),
-      k: () => this.paths.step(-1),
-      b: () => this.set({ by: state.by === "expression" ? "object" : "expression" }),
-      n: () => this.set({ from: state.from === "light" ? "sensor" : "light" }),
-      "[": () => this.set({ bundles: Math.max(1, Math.round(state.bundles / 1.5)) }),
-      "]": () => this.set({ bundles: Math.min(120, Math.round(state.bundles * 1.5)) }),
-      a: () => this.set({ arrows: !state.arrows }),
-      l: () => this.set({ lines: !state.lines }),
-      d: () => this.set({ dots: !state.dots }),
-      x: () => this.set({ look: state.look === "solid" ? "x-ray" : state.look === "x-ray" ? "hidden" : "solid" }),
-      c: () => this.viewSensor(),
-      f: () => this.space.frame(),
-      i: () => this.image.fit(),
-      g: () => this.set({ log: !this.isLog }),
-      q: () => this.set({ quantity: state.quantity === "radiance" ? "irradiance" : "radiance" }),
-      "+": () => this.set({ exposure: state.exposure + 0.5 }),
-      "=": () => this.set({ exposure: state.exposure + 0.5 }),
-      "-": () => this.set({ exposure: state.exposure - 0.5 }),
-      y: () => void this.copyLink(),
-      "?": () => help.showModal(),
-    };
-    const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
-    if (!action) return;
-    e.preventDefault();
-    action();
-    if ("+-=".includes(e.key)) this.shown.panel = undefined;
-    this.showPanel();
-  }
-
-  // For scripts: what the console of a browser, and the tests, can ask.
-
-  /** Which of some paths, given as records would hold them, expressions match, and where they are wrong. */
-  match(texts: string[], paths: Data["paths"]): (number[] | { position: number; message: string })[] {
-    return texts.map((text) => {
-      try {
-        return Array.from(new Matcher(text, this.data.scene).match(paths));
-      } catch (error) {
-        if (error instanceof ExpressionError) return { position: error.position, message: error.message };
-        throw error;
-      }
-    });
-  }
-
-  /** The tree of all paths as the command prints it. */
-  tree(by: ClusterBy, from: ClusterFrom): unknown {
-    const of = (c: Cluster): unknown => ({
-      labels: c.labels,
-      paths: c.end - c.begin,
-      weight: c.weight,
-      children: c.children.map(of),
-    });
-    const all = Uint32Array.from({ length: this.data.paths.count }, (_, i) => i);
-    return of(clusterTree(this.data.scene, this.data.paths, all, by, from).root);
-  }
-
-  /** Bundles of all paths: representative, weight and spread. */
-  bundles(count: number): unknown {
-    const all = Uint32Array.from({ length: this.data.paths.count }, (_, i) => i);
-    const found = bundlesOf(this.data.paths, this.selection.places, [{ paths: all, group: 0 }], count);
-    return found.map((b) => ({ representative: b.representative, weight: b.weight, spread: b.spread, paths: b.paths.length }));
-  }
-
-  /** The sum of the voxels of the box. */
-  voxelSum(): number {
-    return this.volume().values.reduce((a, b) => a + b, 0);
-  }
-
-  /** Milliseconds since the page was asked for, once what is shown is drawn. */
-  drawn(): number {
-    this.space.finish();
-    return performance.now();
-  }
-
-  /** Numbers of what is shown. */
-  get summary(): unknown {
-    const { selection } = this;
-    return {
-      filtered: selection.filtered.length,
-      selected: selection.selected.length,
-      weight: selection.weight(selection.selected),
-      total: selection.totalWeight,
-      bundles: selection.bundles.length,
-      path: this.paths.chosen,
-      mistake: selection.mistake?.message ?? null,
-    };
   }
 }
 

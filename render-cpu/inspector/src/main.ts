@@ -2,18 +2,18 @@
 
 import { readData } from "./data.ts";
 import { byId } from "./dom.ts";
-import { Inspector } from "./inspector.ts";
+import { ScriptedInspector } from "./scripts.ts";
 
 declare global {
   interface Window {
     /** For scripts; there once everything is shown. */
-    halflight?: Inspector;
+    halflight?: ScriptedInspector;
   }
 }
 
 async function begin(): Promise<void> {
   const data = await readData();
-  const inspector = new Inspector(data);
+  const inspector = new ScriptedInspector(data);
   byId("app").setAttribute("aria-busy", "false");
   byId("loading").hidden = true;
   window.halflight = inspector;

@@ -4,14 +4,17 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Bundle } from "./clusters.ts";
 import type { Data } from "./data.ts";
-import { MAP, placeOf, type Scale } from "./color.ts";
+import { ArrowBuilder } from "./arrows.ts";
+import type { Scale } from "./color.ts";
 import type { Plot, Volume } from "./measure.ts";
-import { pick, rowEdge } from "./measure.ts";
+import { pick } from "./measure.ts";
+import { plotMesh } from "./plot-mesh.ts";
+import { pyramid } from "./sensor-mesh.ts";
+import { volumeMeshes } from "./volume-mesh.ts";
 
 /** How the mesh is drawn. */
 export type MeshLook = "solid" | "x-ray" | "hidden";
 
-const ARROW_SIDES = 8;
 /** Triangles beyond which edges are not smoothed: most of them are smaller than a pixel then. */
 const SMOOTH_TRIANGLES = 400_000;
 /** Most paths that are drawn as lines: more of them would cover everything, and say no more. */
@@ -82,7 +85,8 @@ export class View3d {
     this.addMesh();
     this.addLines();
     this.addLights();
-    this.addSensor();
+    this.sensor = pyramid(data.scene.camera, 0.2 * this.unit);
+    if (this.sensor) this.scene.add(this.sensor);
     this.scene.add(this.arrows, this.highlight, this.plot, this.volume);
     this.addPicking();
     this.viewSensor();
@@ -186,30 +190,6 @@ export class View3d {
     this.lines = new THREE.LineSegments(geometry, material);
     this.lines.frustumCulled = false;
     this.scene.add(this.lines);
-  }
-
-  /** The sensor's pyramid. */
-  private addSensor(): void {
-    const { camera } = this.data.scene;
-    if (camera.kind !== "perspective") return;
-    const m = camera.to_world;
-    const length = 0.2 * this.unit;
-    const point = (x: number, y: number, z: number) =>
-      new THREE.Vector3(
-        m[0] * x + m[1] * y + m[2] * z + m[3],
-        m[4] * x + m[5] * y + m[6] * z + m[7],
-        m[8] * x + m[9] * y + m[10] * z + m[11],
-      );
-    const [w, h] = camera.tangents.map((t) => t * length);
-    const corners = [point(w, h, length), point(-w, h, length), point(-w, -h, length), point(w, -h, length)];
-    const apex = point(0, 0, 0);
-    const points: THREE.Vector3[] = [];
-    corners.forEach((c, i) => points.push(apex, c, c, corners[(i + 1) % 4]));
-    const top = point(0, 1.25 * h, length);
-    points.push(corners[0], top, top, corners[1]);
-    const geometry = new THREE.BufferGeometry().setFromPoints(points);
-    this.sensor = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: 0x9fb0c8 }));
-    this.scene.add(this.sensor);
   }
 
   private addPicking(): void {
@@ -320,7 +300,7 @@ export class View3d {
       const radius = this.unit * (0.0035 + 0.014 * Math.sqrt(bundle.weight / heaviest));
       build.path(this.pointsOf(bundle.representative), radius, colorOf(bundle));
     }
-    this.addArrows(this.arrows, build);
+    for (const mesh of build.meshes(0.16)) this.arrows.add(mesh);
     this.invalidate();
   }
 
@@ -330,29 +310,9 @@ export class View3d {
     if (path !== null) {
       const build = new ArrowBuilder();
       build.path(this.pointsOf(path), 0.008 * this.unit, [255, 255, 255]);
-      this.addArrows(this.highlight, build, 0.7);
+      for (const mesh of build.meshes(0.7)) this.highlight.add(mesh);
     }
     this.invalidate();
-  }
-
-  private addArrows(group: THREE.Group, build: ArrowBuilder, hiddenOpacity = 0.16): void {
-    if (build.indices.length === 0) return;
-    const geometry = build.geometry();
-    const seen = new THREE.MeshLambertMaterial({ vertexColors: true, flatShading: false });
-    const hidden = new THREE.MeshBasicMaterial({
-      vertexColors: true,
-      transparent: true,
-      opacity: hiddenOpacity,
-      depthWrite: false,
-      depthFunc: THREE.GreaterDepth,
-    });
-    const behind = new THREE.Mesh(geometry, hidden);
-    behind.renderOrder = 2;
-    const before = new THREE.Mesh(geometry, seen);
-    for (const mesh of [before, behind]) {
-      mesh.frustumCulled = false;
-      group.add(mesh);
-    }
   }
 
   /** The vertices of a path from the light, without the sensor. */
@@ -369,44 +329,7 @@ export class View3d {
   setPlot(plot: Plot | null, scale: Scale | null, reach: number): void {
     this.clear(this.plot);
     if (!plot || !scale) return this.invalidate();
-    const { rows, columns, values, frame } = plot;
-    const positions: number[] = [];
-    const colors: number[] = [];
-    const indices: number[] = [];
-    const value = (row: number, column: number) =>
-      values[Math.min(rows - 1, Math.max(0, row)) * columns + ((column + columns) % columns)];
-    for (let row = 0; row <= rows; row++) {
-      const z = rowEdge(plot, row);
-      const sine = Math.sqrt(Math.max(0, 1 - z * z));
-      for (let column = 0; column <= columns; column++) {
-        // Corners are the mean of the cells around them.
-        const mean = (value(row - 1, column - 1) + value(row - 1, column) + value(row, column - 1) + value(row, column)) / 4;
-        const place = placeOf(scale, mean);
-        const angle = (2 * Math.PI * column) / columns;
-        const local = [sine * Math.cos(angle), sine * Math.sin(angle), z];
-        const length = reach * this.unit * place;
-        for (let axis = 0; axis < 3; axis++) {
-          const d = frame[0][axis] * local[0] + frame[1][axis] * local[1] + frame[2][axis] * local[2];
-          positions.push(plot.position[axis] + length * d);
-        }
-        const entry = 3 * Math.round(1023 * place);
-        for (let c = 0; c < 3; c++) colors.push(Math.pow(MAP[entry + c] / 255, 2.2));
-        if (row < rows && column < columns) {
-          const a = row * (columns + 1) + column;
-          const b = a + columns + 1;
-          indices.push(a, b, a + 1, a + 1, b, b + 1);
-        }
-      }
-    }
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
-    geometry.setAttribute("color", new THREE.Float32BufferAttribute(colors, 3));
-    geometry.setIndex(indices);
-    const material = new THREE.MeshLambertMaterial({ vertexColors: true, flatShading: true, side: THREE.DoubleSide });
-    material.emissive.setScalar(0.12);
-    const mesh = new THREE.Mesh(geometry, material);
-    mesh.frustumCulled = false;
-    this.plot.add(mesh);
+    this.plot.add(plotMesh(plot, scale, reach * this.unit));
     this.invalidate();
   }
 
@@ -414,52 +337,7 @@ export class View3d {
   setVolume(volume: Volume | null, scale: Scale | null, density: number): void {
     this.clear(this.volume);
     if (!volume || !scale) return this.invalidate();
-    const { low, high, size, values } = volume;
-    const texels = new Uint8Array(values.length);
-    for (let i = 0; i < values.length; i++) texels[i] = Math.round(255 * placeOf(scale, values[i]));
-    const voxels = new THREE.Data3DTexture(texels, size[0], size[1], size[2]);
-    voxels.format = THREE.RedFormat;
-    voxels.minFilter = voxels.magFilter = THREE.LinearFilter;
-    voxels.unpackAlignment = 1;
-    voxels.needsUpdate = true;
-    const map = new Uint8Array(4 * 256).fill(255);
-    for (let i = 0; i < 256; i++) map.set(MAP.subarray(3 * Math.round((1023 * i) / 255)).subarray(0, 3), 4 * i);
-    const colors = new THREE.DataTexture(map, 256, 1);
-    colors.minFilter = colors.magFilter = THREE.LinearFilter;
-    colors.needsUpdate = true;
-    const extent = new THREE.Vector3(...high.map((h, i) => h - low[i]));
-    const corner = new THREE.Vector3(...low);
-    const box = new THREE.BoxGeometry(extent.x, extent.y, extent.z);
-    const middle = corner.clone().addScaledVector(extent, 0.5);
-    const material = new THREE.ShaderMaterial({
-      glslVersion: THREE.GLSL3,
-      uniforms: {
-        voxels: { value: voxels },
-        colors: { value: colors },
-        corner: { value: corner },
-        extent: { value: extent },
-        density: { value: density },
-      },
-      vertexShader: VOLUME_VERTEX,
-      fragmentShader: VOLUME_FRAGMENT,
-      side: THREE.BackSide,
-      transparent: true,
-      depthTest: false,
-      depthWrite: false,
-      premultipliedAlpha: true,
-      blending: THREE.CustomBlending,
-      blendSrc: THREE.OneFactor,
-      blendDst: THREE.OneMinusSrcAlphaFactor,
-    });
-    const mesh = new THREE.Mesh(box, material);
-    mesh.position.copy(middle);
-    mesh.renderOrder = 3;
-    const frame = new THREE.LineSegments(
-      new THREE.EdgesGeometry(box),
-      new THREE.LineBasicMaterial({ color: 0x8fa3c0, transparent: true, opacity: 0.8 }),
-    );
-    frame.position.copy(middle);
-    this.volume.add(mesh, frame);
+    this.volume.add(...volumeMeshes(volume, scale, density));
     this.invalidate();
   }
 
@@ -546,104 +424,3 @@ export class View3d {
     this.invalidate();
   }
 }
-
-/** Arrows of many paths in one mesh. */
-class ArrowBuilder {
-  readonly positions: number[] = [];
-  readonly normals: number[] = [];
-  readonly colors: number[] = [];
-  readonly indices: number[] = [];
-
-  path(points: THREE.Vector3[], radius: number, color: readonly number[]): void {
-    for (let i = 0; i + 1 < points.length; i++) this.segment(points[i], points[i + 1], radius, color);
-  }
-
-  private segment(a: THREE.Vector3, b: THREE.Vector3, radius: number, color: readonly number[]): void {
-    const along = b.clone().sub(a);
-    const length = along.length();
-    if (!(length > 0)) return;
-    along.divideScalar(length);
-    const head = Math.min(0.5 * length, 7 * radius);
-    const side = new THREE.Vector3(Math.abs(along.x) < 0.7 ? 1 : 0, Math.abs(along.x) < 0.7 ? 0 : 1, 0).cross(along).normalize();
-    const other = along.clone().cross(side);
-    const neck = b.clone().addScaledVector(along, -head);
-    this.cone(a, neck, radius, radius, along, side, other, color);
-    this.cone(neck, b, Math.min(0.5 * head, 2.8 * radius), 0, along, side, other, color);
-  }
-
-  private cone(
-    a: THREE.Vector3,
-    b: THREE.Vector3,
-    radiusA: number,
-    radiusB: number,
-    along: THREE.Vector3,
-    side: THREE.Vector3,
-    other: THREE.Vector3,
-    color: readonly number[],
-  ): void {
-    const first = this.positions.length / 3;
-    const slope = (radiusA - radiusB) / Math.max(1e-12, a.distanceTo(b));
-    const linear = color.map((c) => Math.pow(c / 255, 2.2));
-    for (let i = 0; i < ARROW_SIDES; i++) {
-      const angle = (2 * Math.PI * i) / ARROW_SIDES;
-      const out = side.clone().multiplyScalar(Math.cos(angle)).addScaledVector(other, Math.sin(angle));
-      const normal = out.clone().addScaledVector(along, slope).normalize();
-      for (const [end, radius] of [[a, radiusA], [b, radiusB]] as const) {
-        this.positions.push(...end.clone().addScaledVector(out, radius).toArray());
-        this.normals.push(...normal.toArray());
-        this.colors.push(...linear);
-      }
-      const [p, q] = [first + 2 * i, first + 2 * ((i + 1) % ARROW_SIDES)];
-      this.indices.push(p, q, p + 1, q, q + 1, p + 1);
-    }
-  }
-
-  geometry(): THREE.BufferGeometry {
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.Float32BufferAttribute(this.positions, 3));
-    geometry.setAttribute("normal", new THREE.Float32BufferAttribute(this.normals, 3));
-    geometry.setAttribute("color", new THREE.Float32BufferAttribute(this.colors, 3));
-    geometry.setIndex(this.indices);
-    return geometry;
-  }
-}
-
-const VOLUME_VERTEX = `
-out vec3 world;
-void main() {
-  world = (modelMatrix * vec4(position, 1.0)).xyz;
-  gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
-}`;
-
-// From the back faces to the eye, front to back, in steps of half a voxel of a grid of 48.
-const VOLUME_FRAGMENT = `
-precision highp float;
-precision highp sampler3D;
-uniform sampler3D voxels;
-uniform sampler2D colors;
-uniform vec3 corner;
-uniform vec3 extent;
-uniform float density;
-in vec3 world;
-out vec4 fragment;
-void main() {
-  vec3 eye = (cameraPosition - corner) / extent;
-  vec3 away = (world - corner) / extent - eye;
-  vec3 t0 = -eye / away;
-  vec3 t1 = (1.0 - eye) / away;
-  vec3 near = min(t0, t1);
-  float from = max(0.0, max(near.x, max(near.y, near.z)));
-  vec3 last = max(t0, t1);
-  float to = min(last.x, min(last.y, last.z));
-  const int STEPS = 96;
-  float stride = (to - from) / float(STEPS);
-  float thickness = length(away * stride) * density;
-  vec4 sum = vec4(0.0);
-  for (int i = 0; i < STEPS; i++) {
-    float value = texture(voxels, eye + away * (from + (float(i) + 0.5) * stride)).r;
-    float alpha = 1.0 - exp(-thickness * value * value * 12.0);
-    vec3 color = texture(colors, vec2(0.2 + 0.8 * value, 0.5)).rgb;
-    sum += (1.0 - sum.a) * alpha * vec4(color, 1.0);
-  }
-  fragment = sum;
-}`;

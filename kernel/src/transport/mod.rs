@@ -12,7 +12,7 @@
 //! | [`divided`] | path tracing whose light is divided by path expressions |
 //! | `retargeted` | path tracing, bidirectional path tracing and merging with edits of light transport (hosts only) |
 //! | `manifold_path` | path tracing that connects to lights through refracting interfaces (hosts only) |
-//! | [`irradiance`], `recorded` | what falls on a surface; paths with their vertices (hosts only) |
+//! | [`irradiance`], `recorded`, `light_volume` | what falls on a surface; paths with their vertices, and light in voxels (hosts only) |
 //! | [`connection`] | next event estimation |
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
 //! | [`pixel`] | one sample of a pixel by the algorithm of the settings |
@@ -29,6 +29,9 @@ pub mod connection;
 pub mod direct;
 pub mod divided;
 pub mod irradiance;
+// Grids of voxels are in the memory of hosts.
+#[cfg(not(target_arch = "spirv"))]
+pub mod light_volume;
 #[cfg(not(target_arch = "spirv"))]
 pub mod manifold_path;
 #[cfg(not(target_arch = "spirv"))]

@@ -4,13 +4,15 @@ use super::inspect_page::PageArgs;
 use super::output_file;
 use super::path_args::PathArgs;
 use super::scene_args::{SceneArgs, build_accel, parse_numbers};
+use super::volume_args::VolumeArgs;
 use crate::expression::{PartsRequest, PathParts};
 use crate::film::aov::AovSet;
 use crate::film::luminance;
-use crate::image::png_output::write_png_bytes;
+use crate::image::png_output::{Exposure, tone_map, write_png_bytes};
 use crate::inspect::paths::{Places, picture};
 use crate::inspect::spherical_plot::{Probe, SphericalPlot};
 use crate::inspect::{ColorScale, false_color};
+use crate::plot::canvas::Canvas;
 use crate::processor::set_threads;
 use crate::render::{Goal, RenderOptions, render_film};
 use crate::say::{note, print_line};
@@ -31,6 +33,8 @@ pub enum Tool {
     SphericalPlot,
     /// Bundles of the image's paths as arrows.
     Paths,
+    /// A box of virtual medium that shows the light passing through.
+    Volume,
 }
 
 /// What false colours tell.
@@ -93,6 +97,9 @@ pub struct InspectArgs {
     /// Recorded paths.
     #[command(flatten)]
     pub path: PathArgs,
+    /// The box of medium.
+    #[command(flatten)]
+    pub volume: VolumeArgs,
     /// The page.
     #[command(flatten)]
     pub page: PageArgs,
@@ -153,8 +160,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
     }
     set_threads(args.threads)?;
     let mut scene = args.scene.load()?;
-    let is_measured =
-        tool == Tool::SphericalPlot || tool == Tool::Paths || args.quantity == Quantity::Irradiance;
+    let is_measured = tool != Tool::FalseColor || args.quantity == Quantity::Irradiance;
     if is_measured {
         // These are measured by path tracing, whatever the scene's image is made by.
         scene.settings.kind = halflight_kernel::transport::integrator_kind::PATH;
@@ -165,7 +171,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
     };
     // Arrows of some paths stand over the image of all.
     let parts = PathParts::new(&request, &scene.tables.view(), &scene.names)?;
-    if tool != Tool::Paths {
+    if !matches!(tool, Tool::Paths | Tool::Volume) {
         scene.divide(&request)?;
     }
     for warning in &scene.warnings {
@@ -247,6 +253,38 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
             summary = format!("{} paths as {bundles} bundles", record.paths.len());
             (canvas, tree.json())
         }
+        Tool::Volume => {
+            let accel = build_accel(&scene);
+            let tables = scene.tables.view();
+            let traverse = accel.traverse(tables);
+            let view = SceneView {
+                tables,
+                traverse: &traverse,
+            };
+            let expressions = parts.view();
+            let own = &args.volume;
+            let volume = own.measure(&view, &scene, expressions.as_ref(), args.seed)?;
+            let film = volume.film(&view, &scene, args.spp, args.seed)?;
+            let values: Vec<f64> = (volume.fluence.iter())
+                .map(|v| luminance(v.to_array().map(f64::from)))
+                .collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let most = values.iter().fold(0.0, |a: f64, b| a.max(*b));
+            let [nx, ny, nz] = volume.grid.counts;
+            summary = format!("{nx} x {ny} x {nz} voxels, mean fluence rate {mean:.4e} W/m²");
+            let pixels = tone_map(&film.mean(), Exposure::Stops(0.0));
+            let size = [film.width(), film.height()];
+            let mut canvas = Canvas::new(size[0], size[1]);
+            canvas.paste(&pixels, size, 0, 0);
+            (
+                canvas,
+                json!({
+                    "low": volume.grid.low.to_array(), "high": volume.grid.high.to_array(),
+                    "voxels": volume.grid.counts, "mean": mean, "most": most,
+                    "scattering": volume.grid.scattering, "extinction": volume.grid.extinction,
+                }),
+            )
+        }
     };
     let [width, height] = canvas.size();
     write_png_bytes(&args.output, width, height, canvas.rgb())?;
@@ -254,7 +292,7 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
         print_line(format_args!("{numbers:#}"))?;
     }
     if !quiet {
-        if tool != Tool::Paths {
+        if summary.is_empty() {
             summary = format!("{} to {}", numbers["from"], numbers["to"]);
         }
         note(format_args!("{name}: {summary}"));

@@ -40,3 +40,4 @@ pub mod scene_args;
 pub mod sheet_args;
 pub mod strategy_sheet;
 pub mod terminal;
+mod volume_args;

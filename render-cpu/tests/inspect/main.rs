@@ -4,6 +4,7 @@ mod clusters;
 mod paths;
 mod probes;
 mod records;
+mod volume;
 
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene;

@@ -1,0 +1,120 @@
+//! A box of virtual medium that shows the light which passes through it (Kaplanyan 2017, section 9.1.2;
+//! [`halflight_kernel::transport::light_volume`]): beams, caustics and shadows in free space.
+//!
+//! Light walks are divided into as many groups whatever the number of threads, and the groups' sums are added in order, so that a
+//! volume is a function of its seed.
+
+use crate::film::aov::AovSet;
+use crate::film::{Film, FilmError};
+use crate::scene::build::Scene;
+use glam::{DVec3, Vec3};
+use halflight_kernel::math::Rgb;
+use halflight_kernel::path::PathExpressions;
+use halflight_kernel::sampler::{IndependentSampler, mix};
+use halflight_kernel::scene::{SceneView, Traverse};
+use halflight_kernel::transport::bidirectional::Bidirectional;
+use halflight_kernel::transport::light_volume::VoxelGrid;
+use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind, path};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+/// Groups of light walks.
+const GROUPS: u32 = 8;
+
+/// Most voxels: their sums take 1.5 gigabytes.
+pub const MAX_VOXELS: usize = 1 << 23;
+
+/// Tells the numbers of these walks from others.
+const STREAM: u32 = 0x7c15_9e37;
+
+/// Side of the squares of pixels that a thread takes at a time.
+const TILE: u32 = 16;
+
+/// The light in a box.
+#[derive(Clone, Debug)]
+pub struct LightVolume {
+    /// Its voxels.
+    pub grid: VoxelGrid,
+    /// Mean fluence rate of each, in W/m^2.
+    pub fluence: Vec<Rgb>,
+}
+
+impl LightVolume {
+    /// Follows `walks` light walks, of the paths of an expression if there is one.
+    pub fn measure<T: Traverse + Sync>(
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        expressions: Option<&PathExpressions<'_>>,
+        grid: VoxelGrid,
+        walks: u32,
+        seed: u32,
+    ) -> LightVolume {
+        let settings = IntegratorSettings {
+            kind: integrator_kind::LIGHT_TRACING,
+            ..*settings
+        };
+        let algorithm = Bidirectional::new(&view.tables, &settings);
+        let groups: Vec<Vec<DVec3>> = (0..GROUPS)
+            .into_par_iter()
+            .map(|group| {
+                let mut sums = vec![DVec3::ZERO; grid.len()];
+                for walk in (group..walks).step_by(GROUPS as usize) {
+                    let mut sampler = IndependentSampler::new(mix(seed ^ STREAM), walk, 0);
+                    grid.trace_light(
+                        view,
+                        &algorithm,
+                        expressions,
+                        &mut sampler,
+                        |voxel, light| {
+                            sums[voxel] += light.as_dvec3();
+                        },
+                    );
+                }
+                sums
+            })
+            .collect();
+        let scale = 1.0 / (f64::from(walks) * f64::from(grid.voxel_volume()));
+        let fluence = (0..grid.len())
+            .map(|voxel| {
+                let sum: DVec3 = groups.iter().map(|group| group[voxel]).sum();
+                (sum * scale).as_vec3()
+            })
+            .collect();
+        LightVolume { grid, fluence }
+    }
+
+    /// The image of a scene with the medium in it, by path tracing: what surfaces show, dimmed by the medium, and what it scatters.
+    ///
+    /// # Errors
+    /// If the film does not fit into memory.
+    pub fn film<T: Traverse + Sync>(
+        &self,
+        view: &SceneView<'_, T>,
+        scene: &Scene,
+        samples: u32,
+        seed: u32,
+    ) -> Result<Film, FilmError> {
+        let camera = &scene.tables.camera;
+        let [width, height] = camera.crop_size;
+        let mut film = Film::new(width, height, camera.crop_offset, AovSet::NONE)?;
+        film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
+            for y in tile.y()..tile.y() + tile.height() {
+                for x in tile.x()..tile.x() + tile.width() {
+                    let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
+                    let index = pixel[1] * camera.film_size[0] + pixel[0];
+                    for sample in 0..samples {
+                        let mut sampler = IndependentSampler::new(seed, index, sample);
+                        let seen = camera_ray(&view.tables, &mut sampler, pixel);
+                        let hit = view.traverse.closest_hit(&seen.ray);
+                        let t_max = if hit.is_hit() { hit.t } else { f32::MAX };
+                        let (scattered, through) =
+                            self.grid.scattered(&self.fluence, &seen.ray, t_max);
+                        let behind = path::radiance(view, &scene.settings, &mut sampler, &seen.ray);
+                        let found: Vec3 = scattered + behind * through;
+                        tile.pixel_mut(x, y).add_sample(found * seen.weight);
+                    }
+                }
+            }
+        });
+        Ok(film)
+    }
+}

@@ -11,6 +11,7 @@ mod promises;
 #[path = "../bidirectional/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;
+mod stationary;
 mod total;
 mod variants;
 mod whole_paths;

@@ -49,6 +49,17 @@ pub struct StepRecord {
     pub is_jump: bool,
 }
 
+/// What a state is, for tests of the distribution of states.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// Edges of the path, or places on the film.
+    pub edges: u32,
+    /// Its emitter.
+    pub emitter: u32,
+    /// Film position, in pixels of the whole film; of several the brightest.
+    pub film: Vec2,
+}
+
 /// Counts of what became of proposals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MutationCounts {
@@ -94,6 +105,11 @@ pub trait ChainAlgorithm: Sync {
 
     /// Where the last mutation started, and what became of it; nothing if states have no one place on the film.
     fn last_step(_chain: &Self::Chain) -> Option<StepRecord> {
+        None
+    }
+
+    /// What the current state is.
+    fn observe(_chain: &Self::Chain) -> Option<Observation> {
         None
     }
 

@@ -13,9 +13,10 @@
 //! because then both parts are unbiased for each group, with its own estimate of b in the first. With c = b it is the method of
 //! the paper. Where a pixel is dark compared with b, its light comes from large steps and not from rare visits.
 
-use super::algorithm::{ChainAlgorithm, MutationCounts};
+use super::algorithm::{ChainAlgorithm, MutationCounts, Observation};
 use super::primary_space::PrimarySpace;
 use super::state::{Splat, State};
+use crate::math::luminance;
 use crate::sampler::{FreshSamples, PrimarySamples, mix};
 use crate::scene::Traverse;
 
@@ -181,6 +182,19 @@ impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
 
     fn mutations(&self) -> &'static [&'static str] {
         &["small step", "large step"]
+    }
+
+    fn observe(chain: &PrimaryChain) -> Option<Observation> {
+        let splats = chain.current.splats();
+        let brightest = splats.iter().max_by(|a, b| {
+            let [a, b] = [a, b].map(|splat| luminance(splat.value));
+            a.total_cmp(&b)
+        })?;
+        Some(Observation {
+            edges: splats.len() as u32,
+            film: brightest.film,
+            ..Observation::default()
+        })
     }
 
     fn counts(chain: &PrimaryChain) -> &[MutationCounts] {

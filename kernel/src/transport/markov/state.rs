@@ -79,6 +79,12 @@ impl State {
         self.luminance
     }
 
+    /// What it adds.
+    #[inline]
+    pub fn splats(&self) -> &[Splat] {
+        &self.splats
+    }
+
     /// Multiplies F and I.
     #[inline]
     pub fn scale(&mut self, factor: f32) {

@@ -11,7 +11,9 @@ use crate::path::remainder::Remainder;
 use crate::path::tracer::Tracer;
 use crate::sampler::{FreshSamples, Sampler, mix};
 use crate::scene::{SceneView, Traverse};
-use crate::transport::markov::algorithm::{ChainAlgorithm, MutationCounts, StepRecord};
+use crate::transport::markov::algorithm::{
+    ChainAlgorithm, MutationCounts, Observation, StepRecord,
+};
 use crate::transport::markov::half_vector::path_chain::ChainPair;
 use crate::transport::markov::half_vector::{
     HalfVectorSettings, half_vector_mutation, manifold_perturbation,
@@ -358,6 +360,15 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             "manifold",
             "half-vector",
         ]
+    }
+
+    fn observe(chain: &VeachChain) -> Option<Observation> {
+        let path = chain.current();
+        Some(Observation {
+            edges: path.edges() as u32,
+            emitter: path.emitter,
+            film: path.film,
+        })
     }
 
     fn last_step(chain: &VeachChain) -> Option<StepRecord> {

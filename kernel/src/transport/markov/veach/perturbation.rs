@@ -27,6 +27,7 @@ use crate::path::specular::discrete_direction;
 use crate::path::tracer::Tracer;
 use crate::path::whole_vertex::Vertex;
 use crate::sampler::Sampler;
+use crate::scene::emitter::emission::is_delta;
 use crate::scene::{NONE, Traverse, camera, emitter_kind};
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
@@ -134,6 +135,10 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
     let k = x.edges();
     let last = sensor_chain(x).last;
     if !events_are_unique(x, last, k) {
+        return 0.0;
+    }
+    // Where discrete events lead all the way to a light that no ray meets, there is no way back from what they lead to.
+    if last == 0 && is_delta(tables.emitters[x.emitter as usize].kind) {
         return 0.0;
     }
     let window = &tables.camera;

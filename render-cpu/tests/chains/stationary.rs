@@ -1,0 +1,336 @@
+//! A chain that starts from the distribution of states stays in it, whatever its mutations: number of edges, block of pixels and emitter
+//! of its state are as likely after many steps as before.
+//!
+//! Groups of chains start from candidates that are resampled by their weights, as those of an image do. With S the sum of a group's weights
+//! and M its chains, every cell c of a partition of the states has
+//!
+//! ```text
+//! d_c = S / M sum_chains ([end in c] - [start in c]),
+//! ```
+//!
+//! whose mean over groups is zero if the distribution is kept, and Hotelling's T^2 of that mean, by the covariance that the groups
+//! show, has a chi-square distribution of as many degrees of freedom as there are cells, less one. `HALFLIGHT_STATISTICS=N` makes chains N times as long.
+//! Random numbers are fixed.
+
+use crate::agreement::effort;
+use crate::brightness::{BALL, GLOSSY, POINT};
+use crate::scenes::{LAMP, PINHOLE, View, room, scene, with_view};
+use crate::variants::MIRROR;
+use halflight_kernel::math::luminance;
+use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::markov::algorithm::Observation;
+use halflight_kernel::transport::markov::primary_space::{PrimarySpace, technique};
+use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains, Splat, VeachChains};
+use halflight_kernel::transport::settings::ChainSettings;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Groups of chains.
+const GROUPS: u32 = 400;
+
+/// Candidates and chains of a group, and steps of a chain.
+const CANDIDATES: u32 = 256;
+const CHAINS: u32 = 8;
+const STEPS: u32 = 64;
+
+/// Cells that are left in fewer groups are one.
+const FEWEST: usize = 20;
+
+/// Probability that all tests here fail with correct mutations, over random seeds.
+const FALSE_ALARM: f64 = 1e-3;
+
+/// Number of tests.
+const TESTS: f64 = 40.0;
+
+/// A cell of the states.
+type Cell = fn(&Observation) -> usize;
+
+const PARTITIONS: [(&str, Cell); 3] = [
+    ("edges", |o| o.edges.min(9) as usize),
+    ("blocks", |o| {
+        (o.film.y as usize / 2) * 4 + o.film.x as usize / 2
+    }),
+    ("emitters", |o| o.emitter as usize),
+];
+
+/// States of a group's chains before and after, and its weight S / M.
+struct Group {
+    weight: f64,
+    states: Vec<[Observation; 2]>,
+}
+
+/// Runs a group; nothing where it finds no light.
+fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, steps: u32) -> Option<Group> {
+    let mut found = Vec::new();
+    for candidate in 0..CANDIDATES {
+        let mut member = 0;
+        algorithm.weigh(candidate, &mut |weight| {
+            if weight > 0.0 {
+                found.push((candidate, member, f64::from(weight)));
+            }
+            member += 1;
+        });
+    }
+    let sum: f64 = found.iter().map(|(.., weight)| weight).sum();
+    // Systematic resampling at an offset of the group's own.
+    let offset = (f64::from(group) * 0.618_033_988_749_895).fract();
+    let mut below = 0.0;
+    let mut starts = Vec::new();
+    for (candidate, member, weight) in found {
+        below += weight;
+        while (starts.len() as f64 + offset) * sum / f64::from(CHAINS) < below
+            && starts.len() < CHAINS as usize
+        {
+            starts.push((candidate, member));
+        }
+    }
+    let states: Vec<_> = starts
+        .iter()
+        .zip(0..)
+        .filter_map(|((candidate, member), number)| {
+            let mut chain = algorithm.start(*candidate, *member, number);
+            let before = A::observe(&chain)?;
+            for _ in 0..steps {
+                algorithm.step(&mut chain, 1.0, &mut |_| {});
+            }
+            Some([before, A::observe(&chain)?])
+        })
+        .collect();
+    (!states.is_empty()).then_some(Group {
+        weight: sum / f64::from(CHAINS),
+        states,
+    })
+}
+
+/// T^2 and its degrees of freedom, of the change of the cells.
+fn statistic(groups: &[Group], cell: Cell) -> (f64, usize) {
+    let of_group = |group: &Group, count: usize| {
+        let mut d = vec![0.0; count];
+        for [before, after] in &group.states {
+            d[cell(after)] += group.weight;
+            d[cell(before)] -= group.weight;
+        }
+        d
+    };
+    let all: Vec<Vec<f64>> = groups.iter().map(|g| of_group(g, 64)).collect();
+    // Cells that change often; the rest is one cell, which the sum of zero makes redundant.
+    let often: Vec<usize> = (0..64)
+        .filter(|c| all.iter().filter(|d| d[*c] != 0.0).count() >= FEWEST)
+        .collect();
+    let rest = all
+        .iter()
+        .filter(|d| (0..64).any(|c| d[c] != 0.0 && !often.contains(&c)))
+        .count();
+    let used = if rest >= FEWEST || often.is_empty() {
+        &often[..]
+    } else {
+        &often[..often.len() - 1]
+    };
+    let (n, m) = (all.len() as f64, used.len());
+    let mean = |c: usize| all.iter().map(|d| d[used[c]]).sum::<f64>() / n;
+    let means: Vec<f64> = (0..m).map(mean).collect();
+    let mut matrix = vec![vec![0.0; m + 1]; m];
+    for i in 0..m {
+        for j in 0..m {
+            let products = all
+                .iter()
+                .map(|d| (d[used[i]] - means[i]) * (d[used[j]] - means[j]));
+            matrix[i][j] = products.sum::<f64>() / ((n - 1.0) * n);
+        }
+        matrix[i][m] = means[i];
+    }
+    // Gauss-Jordan: the last column becomes the covariance's inverse times the means.
+    let mut rank = 0;
+    for i in 0..m {
+        let pivot = matrix[i][i];
+        if !(pivot > 1e-9 * matrix[0][0].abs()) {
+            matrix[i].fill(0.0);
+            continue;
+        }
+        rank += 1;
+        matrix[i].iter_mut().for_each(|v| *v /= pivot);
+        let row = matrix[i].clone();
+        for (j, other) in matrix.iter_mut().enumerate() {
+            let factor = other[i];
+            if j != i {
+                other
+                    .iter_mut()
+                    .zip(&row)
+                    .for_each(|(v, r)| *v -= factor * r);
+            }
+        }
+    }
+    let t2 = (0..m).map(|i| means[i] * matrix[i][m]).sum();
+    (t2, rank)
+}
+
+/// Tests every partition of the states of an algorithm.
+fn keeps<A: ChainAlgorithm>(
+    what: &str,
+    partitions: &[(&str, Cell)],
+    algorithm: impl Fn(u32) -> A + Sync,
+) -> Vec<Result<(), String>> {
+    let steps = STEPS * effort();
+    let groups: Vec<Group> = (0..GROUPS)
+        .into_par_iter()
+        .filter_map(|group| run(&algorithm(group), group, steps))
+        .collect();
+    let moved = groups
+        .iter()
+        .flat_map(|g| &g.states)
+        .filter(|[a, b]| a != b);
+    let (moved, all) = (moved.count(), groups.len() * CHAINS as usize);
+    partitions
+        .iter()
+        .map(|(name, cell)| {
+            let (t2, degrees) = statistic(&groups, *cell);
+            let p = if degrees == 0 {
+                1.0
+            } else {
+                1.0 - ChiSquared::new(degrees as f64).unwrap().cdf(t2)
+            };
+            let line = format!(
+                "{what}, {name}: {t2:.1} of {degrees}, p = {p:.2e}, {moved} of {all} moved"
+            );
+            println!("{line}");
+            if moved * 20 < all {
+                return Err(format!("{line}: chains stand still"));
+            }
+            if p < FALSE_ALARM / TESTS {
+                return Err(line);
+            }
+            Ok(())
+        })
+        .collect()
+}
+
+fn report(results: Vec<Result<(), String>>) {
+    let wrong: Vec<_> = results.into_iter().filter_map(Result::err).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Nothing but mutations of these weights.
+fn weighed(weights: [f32; 6]) -> ChainSettings {
+    let [
+        bidirectional,
+        lens,
+        caustic,
+        multi_chain,
+        manifold,
+        half_vector,
+    ] = weights;
+    ChainSettings {
+        bidirectional_weight: bidirectional,
+        lens_weight: lens,
+        caustic_weight: caustic,
+        multi_chain_weight: multi_chain,
+        manifold_weight: manifold,
+        half_vector_weight: half_vector,
+        ..ChainSettings::DEFAULT
+    }
+}
+
+/// A room with glass, a mirror, a lamp and a point light.
+fn with_room(test: impl FnOnce(&View<'_>, &IntegratorSettings)) {
+    let room = room(GLOSSY);
+    let scene = scene(&[PINHOLE, &room, LAMP, POINT, BALL, MIRROR].concat(), &[]);
+    with_view(&scene, |view| test(view, &scene.settings));
+}
+
+#[test]
+fn whole_paths_stay_in_their_distribution() {
+    let one = |kind: usize| {
+        let mut weights = [0.0; 6];
+        weights[kind] = 1.0;
+        weights
+    };
+    let mut results = Vec::new();
+    with_room(|view, settings| {
+        for (what, weights) in [
+            ("bidirectional", one(0)),
+            ("lens", one(1)),
+            ("caustic", one(2)),
+            ("multi-chain", one(3)),
+            ("manifold", one(4)),
+            ("half-vector", one(5)),
+            ("all", [1.0; 6]),
+        ] {
+            let settings = IntegratorSettings {
+                chains: weighed(weights),
+                ..*settings
+            };
+            results.extend(keeps(what, &PARTITIONS, |group| {
+                VeachChains::new(view, &settings, 1, 1, group)
+            }));
+        }
+        let mut settings = *settings;
+        settings.chains = weighed([1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+        results.extend(keeps("without direct light", &PARTITIONS, |group| {
+            VeachChains::new(view, &settings, 3, 1, group)
+        }));
+    });
+    report(results);
+}
+
+#[test]
+fn primary_samples_stay_in_their_distribution() {
+    let mut results = Vec::new();
+    with_room(|view, settings| {
+        for (name, kind) in [
+            ("bdpt", technique::BIDIRECTIONAL),
+            ("multiplexed", technique::MULTIPLEXED),
+        ] {
+            for (step, p_large) in [("small steps", 0.0), ("both", 0.3)] {
+                let space = PrimarySpace::new(view, settings, kind, 1);
+                let chains = PrimaryChains::new(space, p_large, 1, 0);
+                let what = format!("{name}, {step}");
+                results.extend(keeps(&what, &PARTITIONS[..2], |group| {
+                    chains.of_group(group)
+                }));
+            }
+        }
+    });
+    report(results);
+}
+
+/// The luminance of all that a chain adds in `steps` steps.
+fn added<A: ChainAlgorithm>(algorithm: &A, steps: u32) -> f64 {
+    let mut start = None;
+    for candidate in 0..CANDIDATES {
+        let mut member = 0;
+        algorithm.weigh(candidate, &mut |weight| {
+            if weight > 0.0 {
+                start.get_or_insert((candidate, member));
+            }
+            member += 1;
+        });
+    }
+    let (candidate, member) = start.expect("light");
+    let mut chain = algorithm.start(candidate, member, 0);
+    let mut sum = 0.0;
+    let mut add = |splat: Splat| sum += f64::from(luminance(splat.value));
+    for _ in 0..steps {
+        algorithm.step(&mut chain, 1.0, &mut add);
+    }
+    algorithm.finish(&mut chain, 1.0, &mut add);
+    sum
+}
+
+#[test]
+fn what_states_add_sums_to_the_length_of_the_chain() {
+    let steps = 4096;
+    let is_whole = |sum: f64| (sum / f64::from(steps) - 1.0).abs() < 1e-4;
+    with_room(|view, settings| {
+        let mut settings = *settings;
+        settings.chains = weighed([1.0; 6]);
+        for min_edges in [1, 3] {
+            let sum = added(&VeachChains::new(view, &settings, min_edges, 3, 0), steps);
+            assert!(is_whole(sum), "{sum} of {steps}");
+        }
+        for kind in [technique::PATH, technique::BIDIRECTIONAL] {
+            let space = PrimarySpace::new(view, &settings, kind, 1);
+            let sum = added(&PrimaryChains::new(space, 0.0, 3, 0), steps);
+            assert!(is_whole(sum), "{sum} of {steps}");
+        }
+    });
+}

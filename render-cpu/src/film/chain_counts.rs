@@ -1,12 +1,22 @@
 //! What became of the mutations of the chains that a film holds.
 //!
-//! They say how a run went and are no part of the image: films with other counts are equal, and checkpoints keep none.
+//! They say how a run went and are no part of the image: films with other counts are equal. Checkpoints keep them, so that a run which
+//! goes on later tells of all its mutations.
 
-use halflight_kernel::transport::markov::algorithm::MutationCounts;
+use halflight_kernel::transport::markov::algorithm::{MutationCounts, WalkCounts};
+use serde::{Deserialize, Serialize};
 
 /// Counts of mutations by name.
 #[derive(Clone, Debug, Default)]
-pub struct ChainCounts(Vec<(&'static str, MutationCounts)>);
+pub struct ChainCounts(Vec<(String, MutationCounts)>);
+
+/// The counts of a mutation in a checkpoint.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KeptCounts {
+    name: String,
+    /// Proposed, lit, accepted; walks, found, irreversible, iterations, iterations of found, jumps, accepted jumps.
+    numbers: [u64; 10],
+}
 
 impl PartialEq for ChainCounts {
     fn eq(&self, _: &Self) -> bool {
@@ -16,19 +26,83 @@ impl PartialEq for ChainCounts {
 
 impl ChainCounts {
     /// Adds those of a mutation; ones that were never proposed are left out.
-    pub fn add(&mut self, name: &'static str, counts: &MutationCounts) {
+    pub fn add(&mut self, name: &str, counts: &MutationCounts) {
         if counts.proposed == 0 {
             return;
         }
         match self.0.iter_mut().find(|(known, _)| *known == name) {
             Some((_, sum)) => sum.merge(counts),
-            None => self.0.push((name, *counts)),
+            None => self.0.push((name.to_owned(), *counts)),
+        }
+    }
+
+    /// Adds those of another film.
+    pub fn merge(&mut self, other: &ChainCounts) {
+        for (name, counts) in &other.0 {
+            self.add(name, counts);
         }
     }
 
     /// Those of each mutation.
-    pub fn iter(&self) -> impl Iterator<Item = &(&'static str, MutationCounts)> {
-        self.0.iter()
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &MutationCounts)> {
+        self.0.iter().map(|(name, counts)| (name.as_str(), counts))
+    }
+
+    /// For a checkpoint.
+    pub fn kept(&self) -> Vec<KeptCounts> {
+        let kept = |(name, c): (&str, &MutationCounts)| {
+            let w = &c.walks;
+            KeptCounts {
+                name: name.to_owned(),
+                numbers: [
+                    c.proposed,
+                    c.lit,
+                    c.accepted,
+                    w.walks,
+                    w.found,
+                    w.irreversible,
+                    w.iterations,
+                    w.iterations_of_found,
+                    w.jumps,
+                    w.accepted_jumps,
+                ],
+            }
+        };
+        self.iter().map(kept).collect()
+    }
+
+    /// From a checkpoint.
+    pub fn of_kept(kept: &[KeptCounts]) -> ChainCounts {
+        let mut counts = ChainCounts::default();
+        for KeptCounts { name, numbers } in kept {
+            let [proposed, lit, accepted, walks @ ..] = *numbers;
+            let [
+                walks,
+                found,
+                irreversible,
+                iterations,
+                of_found,
+                jumps,
+                accepted_jumps,
+            ] = walks;
+            let walks = WalkCounts {
+                walks,
+                found,
+                irreversible,
+                iterations,
+                iterations_of_found: of_found,
+                jumps,
+                accepted_jumps,
+            };
+            let own = MutationCounts {
+                proposed,
+                lit,
+                accepted,
+                walks,
+            };
+            counts.add(name, &own);
+        }
+        counts
     }
 
     /// As JSON, or nothing without chains.
@@ -51,7 +125,7 @@ impl ChainCounts {
                     "accepted_jumps": walks.accepted_jumps,
                 });
             }
-            ((*name).to_string(), entry)
+            (name.clone(), entry)
         });
         (!self.0.is_empty()).then(|| serde_json::Value::Object(entries.collect()))
     }

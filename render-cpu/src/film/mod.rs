@@ -375,5 +375,6 @@ impl Film {
         for (a, b) in self.aov_sums.iter_mut().zip(&other.aov_sums) {
             *a += b;
         }
+        self.chain_counts.merge(&other.chain_counts);
     }
 }

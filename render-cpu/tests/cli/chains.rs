@@ -1,6 +1,8 @@
 //! Options of Markov chains, their maps, and what their images say of them.
 
+use super::interruption::kill_and_resume;
 use super::{Place, SCENE};
+use std::time::Duration;
 
 /// The room with small groups of chains.
 fn place(integrator: &str) -> Place {
@@ -105,5 +107,24 @@ fn options_of_other_algorithms_are_refused() {
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(1), "{all:?}: {text}");
         assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn killed_chains_resume_to_the_same_bits_and_counts() {
+    for (integrator, delay) in [("mlt", 0), ("pssmlt", 70), ("hslt", 130)] {
+        let place = place(integrator);
+        let delay = Duration::from_millis(delay);
+        kill_and_resume(&place, ["chains.xml", "16"], "-KILL", delay, &[]);
+        let counts = |name: &str| {
+            let attributes = super::read(&place.path(name)).attributes;
+            let found = attributes.into_iter().find(|(name, _)| name == "mutations");
+            found.expect("counts of mutations").1
+        };
+        assert_eq!(
+            counts("resumed.exr"),
+            counts("straight.exr"),
+            "{integrator}"
+        );
     }
 }

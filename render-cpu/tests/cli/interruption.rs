@@ -21,14 +21,25 @@ fn wait_for(path: &std::path::Path) {
 /// uninterrupted run of as many.
 fn killed_and_resumed(signal: &str, delay: Duration, extra: &[&str]) {
     let place = Place::with_scene();
+    kill_and_resume(&place, ["scene.xml", "1"], signal, delay, extra);
+}
+
+/// The same for a scene of which every pixel's sample is `unit` of what users ask for.
+pub fn kill_and_resume(
+    place: &Place,
+    [scene, unit]: [&str; 2],
+    signal: &str,
+    delay: Duration,
+    extra: &[&str],
+) {
     let checkpoint = place.path("run.checkpoint");
     let mut arguments = vec![
         "render",
-        "scene.xml",
+        scene,
         "-o",
         "out.exr",
         "--spp",
-        "1000000",
+        "100000000",
         "--aov",
         "variance,normal",
         "--checkpoint",
@@ -69,11 +80,12 @@ fn killed_and_resumed(signal: &str, delay: Duration, extra: &[&str]) {
     .expect("a whole checkpoint")
     .1;
     let counts = film.statistics().iter().map(|p| p.count);
-    let total = (counts.max().expect("pixels") + 5).to_string();
+    let unit: u32 = unit.parse().expect("a number");
+    let total = ((counts.max().expect("pixels") + 5) * unit).to_string();
     let finish = |more: &[&str]| {
         let mut arguments = vec![
             "render",
-            "scene.xml",
+            scene,
             "--spp",
             &total,
             "--aov",

@@ -62,8 +62,8 @@ fn small_steps_are_as_long_forward_as_back_and_even_over_the_logarithm_of_their_
     let mut counts = vec![0.0; 2 * bins];
     for i in 0..n {
         let u = (i as f32 + 0.5) / n as f32;
-        let mut change = perturbed(0.4, u) - 0.4;
-        assert!((perturbed(0.999, u) - 0.4).abs() <= 0.6 + 1e-6);
+        let mut change = perturbed(0.4, u, 1.0) - 0.4;
+        assert!((perturbed(0.999, u, 1.0) - 0.4).abs() <= 0.6 + 1e-6);
         let is_up = change > 0.0;
         change = change.abs();
         let log = (change * 1024.0).ln() / 16_f32.ln();
@@ -80,12 +80,12 @@ fn small_steps_are_as_long_forward_as_back_and_even_over_the_logarithm_of_their_
 
 #[test]
 fn small_steps_go_around_the_ends() {
-    assert!(perturbed(0.001, 0.5) > 0.98);
-    assert!(perturbed(0.999, 0.0) < 0.02);
+    assert!(perturbed(0.001, 0.5, 1.0) > 0.98);
+    assert!(perturbed(0.999, 0.0, 1.0) < 0.02);
     for i in 0..10_000 {
         let u = i as f32 / 10_000.0;
         for value in [0.0, 1e-9, 0.5, 1.0 - f32::EPSILON / 2.0] {
-            assert!((0.0..1.0).contains(&perturbed(value, u)));
+            assert!((0.0..1.0).contains(&perturbed(value, u, 1.0)));
         }
     }
 }

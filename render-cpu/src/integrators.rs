@@ -149,6 +149,12 @@ pub const INTEGRATORS: &[Integrator] = &[
         ),
     ),
     integrator(
+        "mcppm",
+        METROPOLIS_PHOTONS,
+        Passes,
+        "progressive photon mapping with Metropolis photon tracing",
+    ),
+    integrator(
         "appm",
         ADAPTIVE_PHOTONS,
         Passes,

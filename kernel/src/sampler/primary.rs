@@ -110,6 +110,8 @@ pub struct PrimarySamples {
     step: u32,
     fresh: FreshSamples,
     is_large: bool,
+    /// Width of small steps over the usual one.
+    width: f32,
     /// The next number, and one more than the last that was asked for and kept.
     next: u32,
     end: u32,
@@ -131,9 +133,16 @@ impl PrimarySamples {
             step: 0,
             fresh: start,
             is_large: false,
+            width: 1.0,
             next: 0,
             end: 0,
         }
+    }
+
+    /// Makes small steps so many times as wide as usual, less than 32.
+    #[inline]
+    pub fn set_width(&mut self, width: f32) {
+        self.width = width;
     }
 
     /// Begins to propose a step.
@@ -180,7 +189,7 @@ impl PrimarySamples {
         while self.time[d] < self.now {
             self.time[d] += 1;
             let missed = FreshSamples::new(self.seed ^ MISSED, self.chain, self.time[d]);
-            self.value[d] = perturbed(self.value[d], missed.number(dimension));
+            self.value[d] = perturbed(self.value[d], missed.number(dimension), self.width);
         }
         self.value[d]
     }
@@ -199,7 +208,7 @@ impl PrimarySamples {
         let proposed = if self.is_large {
             u
         } else {
-            perturbed(self.current(dimension), u)
+            perturbed(self.current(dimension), u, self.width)
         };
         self.proposed[d] = proposed;
         self.asked[d] = self.step;
@@ -225,13 +234,13 @@ impl Sampler for PrimarySamples {
     }
 }
 
-/// The number `value` moved by a small step that the number `u` chooses.
+/// The number `value` moved by a small step that the number `u` chooses, `width` times as far as usual.
 #[inline]
-pub fn perturbed(value: f32, u: f32) -> f32 {
+pub fn perturbed(value: f32, u: f32, width: f32) -> f32 {
     let is_up = u < 0.5;
     let u = if is_up { 2.0 * u } else { 2.0 * u - 1.0 };
-    let change = LARGEST * float::exp(-LOG_RATIO * u);
-    debug_assert!(change >= 0.99 * SMALLEST);
+    let change = width * LARGEST * float::exp(-LOG_RATIO * u);
+    debug_assert!(change >= 0.99 * width * SMALLEST && change < 0.5);
     let moved = if is_up {
         value + change
     } else {

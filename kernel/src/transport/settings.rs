@@ -33,6 +33,8 @@ pub mod integrator_kind {
     pub const VERTEX_MERGING: u32 = 17;
     /// Adaptive progressive photon mapping (`transport/photon/adaptive.rs`).
     pub const ADAPTIVE_PHOTONS: u32 = 18;
+    /// Progressive photon mapping with Metropolis photon tracing (`transport/photon/metropolis.rs`).
+    pub const METROPOLIS_PHOTONS: u32 = 19;
 }
 
 /// How an algorithm renders: what all share, and the blocks of each.

@@ -33,6 +33,7 @@ impl PhotonArgs {
         }
         let has_photons = is_adaptive
             || kind == integrator_kind::PROGRESSIVE_PHOTONS
+            || kind == integrator_kind::METROPOLIS_PHOTONS
             || kind == integrator_kind::VERTEX_MERGING;
         if is_used && !has_photons {
             return Err(

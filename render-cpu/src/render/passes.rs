@@ -8,6 +8,7 @@ use super::backend::PassEnd;
 use super::bidirectional_job::TileSamples;
 use super::first_radii::FirstRadii;
 use super::options::RenderOptions;
+use super::photon_cache::{PhotonList, SortedPhotons};
 use super::photon_job::Radii;
 use super::photon_pass::{Idle, PhotonTask};
 use super::photon_statistics::{PixelStatistics, keep, statistics_of};
@@ -21,6 +22,7 @@ use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::photon::adaptive::{AdaptiveRadii, next_radii};
 use halflight_kernel::transport::photon::merging::PassPhotons;
+use halflight_kernel::transport::photon::metropolis::{ChainCounts, GatherPoints, VisiblePhotons};
 use halflight_kernel::transport::photon::progressive::{
     Progressive, light_walks, pass_radius, radius_after,
 };
@@ -31,6 +33,9 @@ use std::sync::OnceLock;
 
 /// Side of the square of pixels whose camera walks are traced together.
 const TILE: u32 = 32;
+
+/// Chains of photons of a pass.
+const CHAINS: u32 = 64;
 
 /// Adds `passes` samples to every pixel of the film, or fewer when it is to stop; a pass that is not complete is dropped.
 pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
@@ -89,20 +94,26 @@ impl<T: Traverse + Sync> Pass<'_, T> {
     ) -> Option<()> {
         let (view, settings) = (self.view, self.settings);
         let algorithm = Progressive::new(&view.tables, settings);
-        let photons = PhotonTask {
-            view,
-            tracer: algorithm.tracer(),
-            expressions: None,
-            edits: None,
-            emitted: light_walks(&view.tables, settings),
-            seed: self.seed,
-            index: self.index,
+        let emitted = light_walks(&view.tables, settings);
+        let radius = pass_radius(&view.tables, settings, self.index);
+        let (sorted, emitted) = if settings.kind == integrator_kind::METROPOLIS_PHOTONS {
+            self.trace_visible(film, &algorithm, emitted, radius, new)?
+        } else {
+            let photons = PhotonTask {
+                view,
+                tracer: algorithm.tracer(),
+                expressions: None,
+                edits: None,
+                emitted,
+                seed: self.seed,
+                index: self.index,
+            };
+            (photons.trace(self.idle, self.stop, new)?, emitted)
         };
-        let sorted = photons.trace(self.idle, self.stop, new)?;
         let photons = PassPhotons {
             cache: sorted.view(),
-            radius: pass_radius(&view.tables, settings, self.index),
-            emitted: light_walks(&view.tables, settings),
+            radius,
+            emitted,
             density: PhotonDensity::unknown(&view.tables),
         };
         let is_adaptive = settings.kind == integrator_kind::ADAPTIVE_PHOTONS;
@@ -175,5 +186,63 @@ impl<T: Traverse + Sync> Pass<'_, T> {
             }
         });
         Some(())
+    }
+
+    /// Photons where camera walks of the pass look, of `steps` steps of chains, and the number of light walks for which they stand.
+    fn trace_visible<S: LaneSampler + Send>(
+        &self,
+        film: &Film,
+        algorithm: &Progressive<'_>,
+        steps: u32,
+        radius: f32,
+        new: &(impl Fn(u32, u32, u32) -> S + Sync),
+    ) -> Option<(SortedPhotons, u32)> {
+        let view = self.view;
+        let points: Option<Vec<PhotonList>> = tiles(film, TILE)
+            .into_par_iter()
+            .map(|tile| {
+                if self.stop.is_urgent() {
+                    return None;
+                }
+                let mut samples = tile_samples(view, self.seed, self.index, tile, new);
+                Some(self.idle.with(|workspace| {
+                    workspace.gather_points(view, self.settings, algorithm, &mut samples)
+                }))
+            })
+            .collect();
+        let points = SortedPhotons::new(&points?);
+        let visible = VisiblePhotons {
+            view,
+            tracer: algorithm.tracer(),
+            seen_by: GatherPoints {
+                points: points.view(),
+                radius,
+            },
+            seed: self.seed,
+            pass: self.index,
+        };
+        let found: Option<Vec<(PhotonList, ChainCounts)>> = (0..CHAINS)
+            .into_par_iter()
+            .map(|number| {
+                if self.stop.is_urgent() {
+                    return None;
+                }
+                let mut photons = PhotonList::default();
+                let mut room = [PhotonList::default(), PhotonList::default()];
+                let steps = steps.div_ceil(CHAINS);
+                let counts = visible.run(number, steps, &mut room, &mut photons);
+                Some((photons, counts))
+            })
+            .collect();
+        let (lists, counts): (Vec<_>, Vec<_>) = found?.into_iter().unzip();
+        let mut sum = ChainCounts::default();
+        counts.iter().for_each(|counts| sum.merge(counts));
+        tracing::debug!(
+            "pass {}: {:.4} of the light walks are seen, {:.3} of the mutations taken",
+            self.index,
+            f64::from(sum.uniform_seen) / f64::from(sum.uniform.max(1)),
+            f64::from(sum.accepted) / f64::from(sum.proposed.max(1)),
+        );
+        Some((SortedPhotons::new(&lists), sum.emitted().round() as u32))
     }
 }

@@ -12,6 +12,7 @@ use halflight_kernel::path::PathStates;
 use halflight_kernel::path::retarget_states::EditStates;
 use halflight_kernel::transport::photon::cache::{LEVELS, Photon, PhotonCache, PhotonGrid};
 use halflight_kernel::transport::photon::divided::DividedStore;
+use halflight_kernel::transport::photon::metropolis::PhotonPath;
 use halflight_kernel::transport::photon::tracing::PhotonStore;
 use halflight_kernel::transport::retargeted::bidirectional::EditedStore;
 use rayon::iter::{
@@ -75,6 +76,28 @@ impl EditedStore for PhotonList {
                 count
             }
         } as u32;
+    }
+}
+
+impl PhotonPath for PhotonList {
+    fn clear(&mut self) {
+        self.positions.clear();
+        self.photons.clear();
+    }
+
+    fn any(&self, mut is_seen: impl FnMut(Vec3, &Photon) -> bool) -> bool {
+        let mut all = self.positions.iter().zip(&self.photons);
+        all.any(|(position, photon)| is_seen(Vec3::from_array(*position), photon))
+    }
+
+    fn hand_on(&self, count: f32, other: &mut Self) {
+        other.positions.extend_from_slice(&self.positions);
+        other
+            .photons
+            .extend(self.photons.iter().map(|photon| Photon {
+                throughput: photon.throughput.map(|flux| flux * count),
+                ..*photon
+            }));
     }
 }
 

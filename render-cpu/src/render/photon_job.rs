@@ -7,16 +7,19 @@ use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::photon_cache::PhotonList;
 use glam::Vec3;
 use halflight_kernel::path::retarget_states::{EditStates, Edits};
-use halflight_kernel::path::{Interaction, PathExpressions, PathStates, ShadingPoint, Walk};
+use halflight_kernel::path::{
+    Contribution, Interaction, PathExpressions, PathStates, ShadingPoint, Walk,
+};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::photon::adaptive::{self, AdaptiveRadii};
 use halflight_kernel::transport::photon::divided::divided_light_bounce;
 use halflight_kernel::transport::photon::merging::PassPhotons;
+use halflight_kernel::transport::photon::metropolis::gather_point;
 use halflight_kernel::transport::photon::progressive::Progressive;
 use halflight_kernel::transport::photon::statistics::PhotonPass;
-use halflight_kernel::transport::photon::tracing::PhotonTracer;
+use halflight_kernel::transport::photon::tracing::{PhotonStore, PhotonTracer};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray, retargeted};
 
 /// Light walks that are traced together.
@@ -110,6 +113,45 @@ impl PhotonWorkspace {
                 });
         }
         list
+    }
+
+    /// The points where camera walks of a tile's samples, at most [`RAYS`], gather photons.
+    pub fn gather_points<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        settings: &IntegratorSettings,
+        algorithm: &Progressive<'_>,
+        samples: &mut [TileSample<S>],
+    ) -> PhotonList {
+        let mut points = PhotonList::default();
+        self.walks.clear();
+        for sample in samples.iter_mut() {
+            let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
+            self.walks
+                .push(Walk::from_sensor(&seen), settings.rules.max_depth > 0);
+        }
+        while !self.walks.is_done() {
+            let site = &mut *self.site;
+            self.walks.bounce(view, |i, walk, hit| {
+                let sampler = &mut samples[i].camera;
+                let gather = |_: &Walk, at: &Interaction<'_>, only_unfound: bool| {
+                    let point = gather_point(at.point.geometric_normal, only_unfound);
+                    points.push(at.point.position, &point);
+                    Vec3::ZERO
+                };
+                let found = algorithm.camera_bounce(
+                    walk,
+                    sampler,
+                    hit,
+                    site,
+                    1,
+                    gather,
+                    |_: Contribution| {},
+                );
+                found.1
+            });
+        }
+        points
     }
 
     /// Takes the samples of a tile, at most [`RAYS`]; what they give replaces what `out` held. Returns what the statistics of

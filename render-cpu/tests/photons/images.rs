@@ -60,7 +60,7 @@ fn light_by_way_of_a_mirror_is_that_of_its_image() {
             ("initial_radius", 0.06),
             ("max_radius", 0.02),
         ];
-        for plugin in ["sppm", "appm", "vcm", "vm"] {
+        for plugin in ["sppm", "mcppm", "appm", "vcm", "vm"] {
             let mirrored = scene(&integrator(plugin, &photons), &(floor(material) + MIRROR));
             expect_pixels(
                 &format!("{plugin}, {name}"),
@@ -121,6 +121,7 @@ fn mean_is_that_of_path_tracing() {
         ("sppm", 0.5, 0.03),
         // Radii of their own, of the nearest photons.
         ("sppm", 0.15, 0.0),
+        ("mcppm", 0.15, 0.03),
         ("vcm", 0.0, 0.03),
         ("vm", 0.0, 0.03),
         ("appm", 0.15, 0.03),

@@ -39,6 +39,7 @@ fn any_number_of_threads_and_any_cut_give_the_same_bits() {
         ("sppm", "independent", &rules[..]),
         ("sppm", "sobol", &rules),
         ("sppm", "independent", &nearest),
+        ("mcppm", "independent", &rules),
         ("appm", "independent", &rules),
         ("vcm", "independent", &rules),
         ("vm", "sobol", &rules),

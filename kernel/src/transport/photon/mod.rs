@@ -8,6 +8,7 @@
 //! | [`merging`] | vertex merging |
 //! | [`nearest`] | the distance to the k-th nearest photon |
 //! | [`progressive`] | progressive photon mapping |
+//! | `metropolis` | light walks that leave photons where camera walks look (hosts only) |
 //! | [`adaptive`] | a radius for each pixel |
 //! | [`schedule`] | radii that shrink by a fixed rule |
 //! | [`statistics`] | a radius per pixel from its own statistics: bias, variance, Laplacian |
@@ -20,6 +21,9 @@ pub mod cache;
 pub mod divided;
 pub mod estimate;
 pub mod merging;
+// Its chains are long records.
+#[cfg(not(target_arch = "spirv"))]
+pub mod metropolis;
 pub mod nearest;
 pub mod progressive;
 pub mod schedule;

@@ -13,6 +13,7 @@
 //! # Hostile files
 //! No reader reserves memory for a count before comparing it with the number of bytes that follow, and none recurses.
 
+mod colors;
 mod creases;
 mod error;
 mod materials;
@@ -88,14 +89,14 @@ pub struct Mesh {
 impl Mesh {
     /// Checks everything that the rest of the program relies on, and repairs what has an obvious repair.
     ///
-    /// Repairs, each with one of [`Mesh::warnings`]: degenerate triangles (no area in `f32`) are dropped together with their face
+    /// Repairs, each with one of [`Mesh::warnings`]: triangles are dropped that have a corner which does not exist, is not finite or
+    /// is beyond [`MAX_COORDINATE`]; degenerate triangles (no area in `f32`) are dropped together with their face
     /// attributes; a vertex normal that is zero or not finite is replaced by the angle-weighted mean of the normals of
     /// the adjacent faces; texture coordinates and attribute values that are not finite become zero. Normals are
     /// normalised. `file` is for messages only.
     ///
     /// # Errors
-    /// When a position is not finite or beyond [`MAX_COORDINATE`], a triangle refers to a vertex that does not exist, or
-    /// a table has the wrong length.
+    /// When a table has the wrong length.
     pub fn validate(&mut self, file: &Path) -> Result<(), MeshError> {
         let fail = |what: String| Err(MeshError::malformed(file, FileLocation::Whole, what));
         let count = self.positions.len();
@@ -123,22 +124,12 @@ impl Mesh {
                 }
             }
         }
-        if let Some(i) = self.positions.iter().position(|p| !is_usable(p)) {
-            let p = self.positions[i];
-            return fail(format!(
-                "vertex {i} (counted from zero) is not a usable point: {p:?}"
-            ));
-        }
-        if let Some((t, bad)) = self.first_index_out_of_range() {
-            return fail(format!(
-                "triangle {t} (counted from zero) refers to vertex {bad}, but there are {count}"
-            ));
-        }
         if !(self.materials.of_triangle.is_empty()
             || self.materials.of_triangle.len() == self.triangles.len())
         {
             return fail("materials do not match the triangles".into());
         }
+        self.drop_unusable_points();
         self.drop_degenerate_triangles();
         self.repair_normals();
         self.repair_values();
@@ -176,14 +167,37 @@ impl Mesh {
         self.normals = sums;
     }
 
-    fn first_index_out_of_range(&self) -> Option<(usize, u32)> {
-        let count = self.positions.len();
+    /// Drops triangles whose corners do not exist or are no usable points. Those points, which nothing has then, become the origin.
+    fn drop_unusable_points(&mut self) {
+        let positions = &self.positions;
+        let is_sound = |triangle: &[u32; 3]| {
+            let corner = |i: u32| positions.get(i as usize);
+            triangle.iter().all(|&i| corner(i).is_some_and(is_usable))
+        };
+        let points = positions.par_iter().with_min_len(MIN_SHARE);
+        let points = points.filter(|p| !is_usable(p)).count();
         let triangles = self.triangles.par_iter().with_min_len(MIN_SHARE);
-        let bad = |triangle: &[u32; 3]| triangle.iter().copied().find(|&i| i as usize >= count);
-        let (t, triangle) = triangles
-            .enumerate()
-            .find_first(|(_, triangle)| bad(triangle).is_some())?;
-        Some((t, bad(triangle)?))
+        if points == 0 && triangles.all(is_sound) {
+            return;
+        }
+        let keep: Vec<bool> = self.triangles.iter().map(is_sound).collect();
+        let dropped = keep.iter().filter(|k| !**k).count();
+        if points > 0 {
+            self.warnings
+                .push(format!("{points} vertices are no usable points"));
+        }
+        if dropped > 0 {
+            self.warnings.push(format!(
+                "{dropped} of {} triangles have corners that do not exist or are no usable points, and are left out",
+                keep.len()
+            ));
+        }
+        for position in &mut self.positions {
+            if !is_usable(position) {
+                *position = [0.0; 3];
+            }
+        }
+        self.keep_triangles(&keep);
     }
 
     /// Drops triangles without an area, with a warning.
@@ -200,6 +214,11 @@ impl Mesh {
             "{dropped} of {} triangles have no area and are left out",
             keep.len()
         ));
+        self.keep_triangles(&keep);
+    }
+
+    /// Keeps some triangles, with what belongs to them.
+    fn keep_triangles(&mut self, keep: &[bool]) {
         let mut kept = keep.iter();
         self.triangles.retain(|_| kept.next() == Some(&true));
         let mut kept = keep.iter();

@@ -13,13 +13,15 @@
 //! # Leniency
 //! Lines may end in LF, CR LF or CR; a backslash at the end joins lines; `#` starts a comment wherever a word may begin. Bytes need
 //! not be UTF-8; a byte order mark is skipped. Positive indices may refer to elements that are defined further down. A corner
-//! without the texture coordinate or normal that it names has none, and a face of fewer than three corners is left
-//! out; both with a warning.
+//! without the texture coordinate or normal that it names has none, and a face of fewer than three corners or with one
+//! that does not exist is left out; both with a warning. Between position and colour may be a weight, which means nothing here;
+//! colours from 0 to 255 are taken for bytes.
 
+use super::colors::{self, Bytes};
 use super::obj_lines::Lines;
 use super::text::{number, plain};
 use super::triangulate::Triangulator;
-use super::{Attribute, FileLocation, MaterialNames, Mesh, MeshError, is_usable, read_file};
+use super::{Attribute, FileLocation, MaterialNames, Mesh, MeshError, read_file};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -107,6 +109,7 @@ struct Parser {
     of_triangle: Vec<u32>,
     /// Counts of what was left out, for warnings.
     small_faces: u64,
+    broken_faces: u64,
     missing_uvs: u64,
     missing_normals: u64,
     other_geometry: u64,
@@ -140,23 +143,19 @@ impl Parser {
             .filter(|word| !word.is_empty());
         match words.next() {
             Some(b"v") => {
-                let (numbers, count) = numbers::<6>(words)?;
+                let (numbers, count) = numbers::<7>(words)?;
                 if count < 3 {
                     return Err("a vertex needs three coordinates".into());
                 }
                 if !self.is_new(0) {
                     return Ok(());
                 }
-                let position = [numbers[0], numbers[1], numbers[2]];
-                if !is_usable(&position) {
-                    return Err(format!("not a usable point: {position:?}"));
-                }
-                if count == 6 {
+                if let 6 | 7 = count {
                     // Vertices before the first colour are white.
                     self.colors.resize(self.positions.len(), [1.0; 3]);
-                    self.colors.push([numbers[3], numbers[4], numbers[5]]);
+                    self.colors.push([1, 2, 3].map(|k| numbers[count - 4 + k]));
                 }
-                self.positions.push(position);
+                self.positions.push([numbers[0], numbers[1], numbers[2]]);
             }
             Some(b"vt") => {
                 let ([u, v], count) = numbers::<2>(words)?;
@@ -179,11 +178,18 @@ impl Parser {
             }
             Some(b"f" | b"fo") if !self.skips_faces => {
                 self.corners.clear();
+                let mut is_whole = true;
                 for word in words {
-                    let corner = self.corner(word)?;
-                    self.corners.push(corner);
+                    match self.corner(word)? {
+                        Some(corner) => self.corners.push(corner),
+                        None => is_whole = false,
+                    }
                 }
-                self.face(triangulator);
+                if is_whole {
+                    self.face(triangulator);
+                } else {
+                    self.broken_faces += 1;
+                }
             }
             Some(b"usemtl") => {
                 let name = line.trim_ascii_start()[b"usemtl".len()..].trim_ascii();
@@ -214,22 +220,23 @@ impl Parser {
         self.material = index as u32;
     }
 
-    /// The mesh's vertex for `position`, `position/uv`, `position//normal` or `position/uv/normal`.
-    fn corner(&mut self, word: &[u8]) -> Result<u32, String> {
+    /// The mesh's vertex for `position`, `position/uv`, `position//normal` or `position/uv/normal`; none if there is no such position.
+    fn corner(&mut self, word: &[u8]) -> Result<Option<u32>, String> {
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         let seen = self.seen;
         let names = ["vertex", "texture coordinate", "normal"];
         let mut triple = [ABSENT; 3];
         for (k, part) in word.split(|&b| b == b'/').enumerate() {
+            if k == 3 && part.is_empty() {
+                break;
+            }
             if k == 3 {
                 return Err(format!("\"{}\" has too many indices", show(word)));
             }
             if part.is_empty() && k > 0 {
                 continue;
             }
-            let index: i64 = std::str::from_utf8(part)
-                .ok()
-                .and_then(|part| part.parse().ok())
+            let index = index(part)
                 .ok_or_else(|| format!("\"{}\" is not an index of a corner", show(word)))?;
             let count = counts[k];
             // Positive indices count from the first element, negative ones back from the latest.
@@ -241,16 +248,14 @@ impl Parser {
             if resolved < 0 || resolved >= count as i64 {
                 if index > 0 && !self.is_complete {
                     self.refers_ahead = true;
-                } else if k > 0 {
-                    let missing = [&mut self.missing_uvs, &mut self.missing_normals];
-                    let [uvs, normals] = missing;
-                    *(if k == 1 { uvs } else { normals }) += 1;
-                    continue;
+                    return Err(format!("{} {index} does not exist yet", names[k]));
                 }
-                return Err(format!(
-                    "{} {index} does not exist; {count} are defined up to here",
-                    names[k]
-                ));
+                match k {
+                    0 => return Ok(None),
+                    1 => self.missing_uvs += 1,
+                    _ => self.missing_normals += 1,
+                }
+                continue;
             }
             triple[k] = u32::try_from(resolved)
                 .ok()
@@ -260,10 +265,10 @@ impl Parser {
         let next = u32::try_from(self.vertices.len())
             .map_err(|_| "more vertices than 32 bits can count")?;
         let vertices = &mut self.vertices;
-        Ok(*self.vertex_of.entry(triple).or_insert_with(|| {
+        Ok(Some(*self.vertex_of.entry(triple).or_insert_with(|| {
             vertices.push(triple);
             next
-        }))
+        })))
     }
 
     fn face(&mut self, triangulator: &mut Triangulator) {
@@ -293,6 +298,7 @@ impl Parser {
         let normals = self.attribute(2, &self.normals, [f32::NAN; 3]);
         let uvs = self.attribute(1, &self.uvs, [0.0; 2]);
         let mut vertex_attributes = Vec::new();
+        let mut said_of_colors = None;
         if !self.colors.is_empty() {
             self.colors.resize(self.positions.len(), [1.0; 3]);
             vertex_attributes.push(Attribute {
@@ -300,6 +306,7 @@ impl Parser {
                 channels: 3,
                 values: self.attribute(0, &self.colors, [1.0; 3]).into_flattened(),
             });
+            said_of_colors = colors::decode(&mut vertex_attributes[0], Bytes::AreScaled);
         }
         if !self.materials.is_empty() {
             self.of_triangle.resize(self.triangles.len(), self.material);
@@ -308,6 +315,10 @@ impl Parser {
             (
                 self.small_faces,
                 "faces with fewer than three corners are left out",
+            ),
+            (
+                self.broken_faces,
+                "faces name vertices that do not exist, and are left out",
             ),
             (
                 self.missing_uvs,
@@ -327,6 +338,7 @@ impl Parser {
                 .iter()
                 .filter(|(count, _)| *count > 0)
                 .map(|(count, what)| format!("{count} {what}"))
+                .chain(said_of_colors)
                 .collect(),
             materials: MaterialNames {
                 names: std::mem::take(&mut self.materials),
@@ -350,6 +362,14 @@ impl Parser {
         let look_up = |triple: &[u32; 3]| table.get(triple[k] as usize).copied().unwrap_or(absent);
         self.vertices.iter().map(look_up).collect()
     }
+}
+
+/// The index of a corner: a whole number, which some programs write with a fraction of zero.
+fn index(word: &[u8]) -> Option<i64> {
+    let text = std::str::from_utf8(word).ok()?;
+    let whole = |x: &f64| x.fract() == 0.0 && x.abs() < 1e15;
+    let fraction = || text.parse().ok().filter(whole).map(|x| x as i64);
+    text.parse().ok().or_else(fraction)
 }
 
 /// The first `N` numbers of a line, and how many there are.

@@ -1,8 +1,8 @@
 //! PLY meshes: ascii and binary of both byte orders.
 //!
-//! Of the element `vertex` are read: positions `x y z`; normals `nx ny nz`; texture coordinates `u v`, `s t` or
-//! `texture_u texture_v`; and attributes. Of the element `face`: the list `vertex_indices` or `vertex_index`, with
-//! polygons triangulated; the list `texcoord` of MeshLab, which gives each corner coordinates of its own; and attributes,
+//! Elements may stand in any order. Of the element `vertex` are read: positions `x y z`; normals `nx ny nz`; texture coordinates `u v`, `s t` or
+//! `texture_u texture_v`; and attributes. Of the element `face`: the list `vertex_indices`, `vertex_index` or
+//! `vertex_indexes`, with polygons triangulated and those left out that name vertices which do not exist; the list `texcoord` of MeshLab, which gives each corner coordinates of its own; and attributes,
 //! repeated for each triangle of a polygon. Of `tristrips`: the list of indices, where -1 ends a strip. Other elements
 //! are skipped. Which properties are attributes: see `ply_attributes`.
 //!
@@ -12,7 +12,7 @@
 //! rest, the header, is the smaller part.
 
 use super::part::{gather, gather_attributes};
-use super::ply_attributes::{Target, attribute_targets};
+use super::ply_attributes::{Target, attribute_targets, decode_colors, unused};
 use super::ply_header::{Element, Header, Property, Scalar};
 use super::ply_values::Values;
 use super::text::plain;
@@ -48,8 +48,12 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
     let header = Header::read(bytes, file)?;
     let mut values = Values::after(&header, bytes);
     let mut mesh = Mesh::default();
+    let place = |name: &str| header.elements.iter().position(|e| e.name == name);
+    // Faces before their vertices wait for a second pass.
+    let is_backwards = place("face").is_some_and(|face| place("vertex").is_some_and(|v| face < v));
     for element in &header.elements {
         let result = match element.name.as_str() {
+            "face" if is_backwards => skip(element, &mut values),
             "vertex" if mesh.positions.is_empty() => read_vertices(element, &mut values, &mut mesh),
             "face" if mesh.triangles.is_empty() => read_faces(element, &mut values, &mut mesh),
             "tristrips" => read_strips(element, &mut values, &mut mesh),
@@ -61,6 +65,16 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
             _ => skip(element, &mut values),
         };
         result.map_err(|what| MeshError::malformed(file, values.location(), what))?;
+    }
+    if is_backwards {
+        values = Values::after(&header, bytes);
+        for element in &header.elements {
+            let result = match element.name.as_str() {
+                "face" if mesh.triangles.is_empty() => read_faces(element, &mut values, &mut mesh),
+                _ => skip(element, &mut values),
+            };
+            result.map_err(|what| MeshError::malformed(file, values.location(), what))?;
+        }
     }
     if flip_tex_coords {
         for uv in &mut mesh.uvs {
@@ -119,6 +133,7 @@ fn read_vertices(
             *target = Target::Uv(k);
         }
     }
+    mesh.warnings.extend(unused(element, &targets));
     mesh.vertex_attributes = attributes;
     mesh.positions.reserve(count);
     for _ in 0..count {
@@ -147,6 +162,8 @@ fn read_vertices(
             mesh.uvs.push(uv);
         }
     }
+    let said = decode_colors(element, &targets, &mut mesh.vertex_attributes);
+    mesh.warnings.extend(said);
     Ok(())
 }
 
@@ -156,7 +173,8 @@ fn read_faces(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Re
         return Ok(());
     }
     let is_indices = |p: &Property| {
-        p.list.is_some() && matches!(p.name.as_str(), "vertex_indices" | "vertex_index")
+        let names = ["vertex_indices", "vertex_index", "vertex_indexes"];
+        p.list.is_some() && names.contains(&p.name.as_str())
     };
     let indices_at = element
         .properties
@@ -174,7 +192,8 @@ fn read_faces(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Re
     let mut corners: Vec<u32> = Vec::new();
     let mut corner_positions = Vec::new();
     let mut row = vec![Vec::new(); attributes.len()];
-    let mut ignored = 0_u64;
+    let (mut ignored, mut broken, mut odd_uvs) = (0_u64, 0_u64, 0_u64);
+    let mut is_whole = true;
     mesh.triangles.reserve(count);
     let only_indices = match &element.properties[..] {
         [indices] => indices.list.map(|length| (length, indices.scalar)),
@@ -193,14 +212,12 @@ fn read_faces(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Re
             if k == indices_at {
                 corners.clear();
                 let length = values.next_length(property.list.unwrap_or(property.scalar))?;
+                is_whole = true;
                 for _ in 0..length {
                     let index = values.next(property.scalar)?;
-                    if index < 0.0 || index.fract() != 0.0 || index >= mesh.positions.len() as f64 {
-                        return Err(format!(
-                            "a face refers to vertex {index}, but there are {}",
-                            mesh.positions.len()
-                        ));
-                    }
+                    // Written so that what is no number fails.
+                    is_whole &=
+                        index >= 0.0 && index.fract() == 0.0 && index < mesh.positions.len() as f64;
                     corners.push(index as u32);
                 }
             } else if Some(k) == corner_uvs_at {
@@ -219,9 +236,14 @@ fn read_faces(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Re
             ignored += 1;
             continue;
         }
+        if !is_whole {
+            broken += 1;
+            continue;
+        }
         corner_positions.clear();
         corner_positions.extend(corners.iter().map(|&i| mesh.positions[i as usize]));
         if corner_uvs_at.is_some() {
+            odd_uvs += u64::from(!uvs.is_empty() && uvs.len() != 2 * corners.len());
             corner_uvs.assign(&mut corners, &uvs)?;
         }
         triangulator.polygon(&corner_positions, |triangle| {
@@ -231,11 +253,23 @@ fn read_faces(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Re
             }
         });
     }
-    if ignored > 0 {
-        mesh.warnings.push(format!(
-            "{ignored} faces with fewer than three corners are left out"
-        ));
+    for (count, what) in [
+        (ignored, "faces with fewer than three corners are left out"),
+        (
+            broken,
+            "faces name vertices that do not exist, and are left out",
+        ),
+        (
+            odd_uvs,
+            "faces have not two numbers in the list \"texcoord\" for each corner",
+        ),
+    ] {
+        if count > 0 {
+            mesh.warnings.push(format!("{count} {what}"));
+        }
     }
+    mesh.warnings
+        .extend(decode_colors(element, &targets, &mut attributes));
     mesh.face_attributes = attributes;
     corner_uvs.apply(mesh);
     Ok(())
@@ -283,6 +317,7 @@ impl CornerUvs {
 /// Strips of triangles: each index makes a triangle with the two before it, of which every other one is turned round.
 fn read_strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> Result<(), String> {
     let rows = values.check_room(element)?;
+    let mut broken = 0_u64;
     for _ in 0..rows {
         for property in &element.properties {
             let Some(length) = property.list else {
@@ -297,10 +332,9 @@ fn read_strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> R
                     continue;
                 }
                 if index.fract() != 0.0 || index >= mesh.positions.len() as f64 {
-                    return Err(format!(
-                        "a strip refers to vertex {index}, but there are {}",
-                        mesh.positions.len()
-                    ));
+                    broken += 1;
+                    strip.clear();
+                    continue;
                 }
                 strip.push(index as u32);
                 if let [.., a, b, c] = strip[..] {
@@ -313,6 +347,11 @@ fn read_strips(element: &Element, values: &mut Values<'_>, mesh: &mut Mesh) -> R
                 }
             }
         }
+    }
+    if broken > 0 {
+        mesh.warnings.push(format!(
+            "{broken} indices of strips name vertices that do not exist; the strips are cut there"
+        ));
     }
     Ok(())
 }

@@ -7,6 +7,7 @@
 //! and a fourth colour channel (alpha) is ignored rather than the whole attribute.
 
 use super::Attribute;
+use super::colors::{self, Bytes};
 use super::ply_header::{Element, Property, Scalar};
 
 /// Where a number of a row is stored.
@@ -80,8 +81,9 @@ fn attribute_stem(property: &Property) -> Option<(String, bool)> {
     if property.list.is_some() || matches!(name, "texture_u" | "texture_v") {
         return None;
     }
+    // Programs of some years ago tell colours of surfaces from others.
     if matches!(
-        name,
+        name.strip_prefix("diffuse_").unwrap_or(name),
         "r" | "g" | "b" | "a" | "red" | "green" | "blue" | "alpha"
     ) {
         return Some(("color".into(), true));
@@ -93,4 +95,51 @@ fn attribute_stem(property: &Property) -> Option<(String, bool)> {
         "x" | "y" | "z" | "0" | "1" | "2" | "3" => Some((stem.to_owned(), false)),
         _ => None,
     }
+}
+
+/// Divides colours of whole numbers that are bytes in a longer type by 255, and says of others that they look like bytes.
+pub(super) fn decode_colors(
+    element: &Element,
+    targets: &[Target],
+    attributes: &mut [Attribute],
+) -> Vec<String> {
+    let mut said = Vec::new();
+    for (index, attribute) in attributes.iter_mut().enumerate() {
+        let mut channels = targets.iter().zip(&element.properties);
+        let is_of = |target: &Target| matches!(*target, Target::Attribute(i, 1.0) if i == index);
+        let first = channels.find(|(target, _)| is_of(target));
+        let Some((_, property)) = first.filter(|_| attribute.name.ends_with("color")) else {
+            continue;
+        };
+        let bytes = match property.scalar.is_integer() {
+            true => Bytes::AreScaled,
+            false => Bytes::AreKept,
+        };
+        said.extend(colors::decode(attribute, bytes));
+    }
+    said
+}
+
+/// Says which properties of vertices are not used, but for those that are measurements.
+pub(super) fn unused(element: &Element, targets: &[Target]) -> Option<String> {
+    let harmless = [
+        "confidence",
+        "intensity",
+        "quality",
+        "flags",
+        "alpha",
+        "a",
+        "diffuse_alpha",
+        "texnumber",
+    ];
+    let names: Vec<&str> = targets
+        .iter()
+        .zip(&element.properties)
+        .filter(|(target, _)| **target == Target::Skip)
+        .map(|(_, property)| property.name.as_str())
+        // Attributes that have too many channels are named already.
+        .filter(|name| !harmless.contains(name) && !name.contains('_'))
+        .collect();
+    let list = names.join(", ");
+    (!list.is_empty()).then(|| format!("the properties {list} of vertices are not used"))
 }

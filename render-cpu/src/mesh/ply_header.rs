@@ -20,6 +20,8 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -33,10 +35,17 @@ impl Scalar {
             "ushort" | "uint16" => Scalar::U16,
             "int" | "int32" => Scalar::I32,
             "uint" | "uint32" => Scalar::U32,
+            "int64" => Scalar::I64,
+            "uint64" => Scalar::U64,
             "float" | "float32" => Scalar::F32,
             "double" | "float64" => Scalar::F64,
             _ => return None,
         })
+    }
+
+    /// Whether it is a number of whole ones.
+    pub(super) fn is_integer(self) -> bool {
+        !matches!(self, Scalar::F32 | Scalar::F64)
     }
 
     pub(super) fn bytes(self) -> usize {
@@ -44,7 +53,7 @@ impl Scalar {
             Scalar::I8 | Scalar::U8 => 1,
             Scalar::I16 | Scalar::U16 => 2,
             Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
-            Scalar::F64 => 8,
+            Scalar::I64 | Scalar::U64 | Scalar::F64 => 8,
         }
     }
 }

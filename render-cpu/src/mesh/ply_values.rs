@@ -61,6 +61,8 @@ impl<'a> Values<'a> {
             Scalar::U16 => self.next_bytes().map(|b| f64::from(u16::from_le_bytes(b))),
             Scalar::I32 => self.next_bytes().map(|b| f64::from(i32::from_le_bytes(b))),
             Scalar::U32 => self.next_bytes().map(|b| f64::from(u32::from_le_bytes(b))),
+            Scalar::I64 => self.next_bytes().map(|b| i64::from_le_bytes(b) as f64),
+            Scalar::U64 => self.next_bytes().map(|b| u64::from_le_bytes(b) as f64),
             Scalar::F32 => self.next_bytes().map(|b| f64::from(f32::from_le_bytes(b))),
             Scalar::F64 => self.next_bytes().map(f64::from_le_bytes),
         };

@@ -4,6 +4,7 @@
 mod damaged;
 mod obj_files;
 mod ply_files;
+mod ply_lenient;
 mod ply_writer;
 mod serialized_files;
 mod validation;

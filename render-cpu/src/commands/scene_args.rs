@@ -75,7 +75,10 @@ impl SceneArgs {
             .take(MAX_INPUT_BYTES)
             .read_to_end(&mut bytes)
             .map_err(|e| SceneError::file(name, format!("cannot be read: {e}")))?;
-        let text = decode(name, bytes)?;
+        let (text, note) = decode(name, bytes)?;
+        if let Some((line, what)) = note {
+            tracing::warn!("standard input:{line}: {what}");
+        }
         parse_scene_from_str(&text, name, &self.defines, self.strict)
     }
 

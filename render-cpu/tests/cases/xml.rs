@@ -63,15 +63,77 @@ fn declared_encodings() {
     }
 }
 
+/// Loads with one warning of the given words, and the tables of the plain scene.
+#[track_caller]
+fn said(bytes: &[u8], words: &str) {
+    let files = Files::new(&[]);
+    let reference = files.clean("3.0.0", WALL);
+    let scene = files.load(bytes, false).unwrap_or_else(|error| {
+        panic!("{}: {error}", String::from_utf8_lossy(bytes));
+    });
+    let warnings: Vec<String> = scene.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains(words), "{warnings:?}");
+    assert_eq!(scene.tables.fingerprint(), reference);
+    assert!(files.load(bytes, true).unwrap_err().contains(words));
+}
+
 #[test]
 fn encodings_that_are_wrong_are_named() {
-    let files = Files::new(&[]);
-    let bytes = text("3.0.0", WALL).replace("grey", "gr\u{fc}n");
-    let latin: Vec<u8> = bytes.chars().map(|c| c as u8).collect();
-    assert!(files.load(&latin, false).unwrap_err().contains("UTF-8"));
-    let unknown = format!("<?xml version=\"1.0\" encoding=\"klingon\"?>{bytes}");
-    let error = files.load(unknown.as_bytes(), false).unwrap_err();
-    assert!(error.contains("\"klingon\""), "{error}");
+    let german = text("3.0.0", WALL).replace("grey", "gr\u{fc}n");
+    let latin: Vec<u8> = german.chars().map(|c| c as u8).collect();
+    said(&latin, "scene.xml:7: XML: no UTF-8");
+    let comment = text("3.0.0", WALL).replace("<shape", "<!-- gr\u{fc}n --><shape");
+    let latin: Vec<u8> = comment.chars().map(|c| c as u8).collect();
+    said(&latin, "Windows-1252");
+    let unknown = format!("<?xml version=\"1.0\" encoding=\"klingon\"?>{german}");
+    said(unknown.as_bytes(), "\"klingon\"");
+    let unmarked: Vec<u8> = german.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    same(&unmarked);
+    let unmarked: Vec<u8> = german.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    same(&unmarked);
+    let error = Files::new(&[]).load(b"\x76\x2f\x31\x01\x02\0\0\0\xff", false);
+    assert!(error.unwrap_err().contains("is no text"));
+}
+
+#[test]
+fn characters_that_xml_forbids_are_blanks() {
+    let plain = text("3.0.0", WALL);
+    for scene in [
+        format!("{plain}\0"),
+        format!("{plain}\n\0\0"),
+        plain.replace("<shape", "\u{c}<shape"),
+        plain.replace("grey", "gr\u{1}ey"),
+        plain.replace("grey", "gr&#1;ey"),
+        plain.replace("grey", "gr&#x1F;ey"),
+    ] {
+        same(scene.as_bytes());
+    }
+}
+
+#[test]
+fn what_stands_around_the_scene_is_left_out() {
+    let plain = text("3.0.0", WALL);
+    let outside = "text outside";
+    said(format!("{plain}\nthe end").as_bytes(), outside);
+    said(format!("made by hand {plain}").as_bytes(), outside);
+    let second = format!("{plain}<scene version=\"3.0.0\"><shape type=\"sphere\"/></scene>");
+    said(second.as_bytes(), "behind the outermost element");
+    let twice = plain.replace("id=\"grey\"", "id=\"grey\" id=\"green\"");
+    said(twice.as_bytes(), "an attribute is there twice");
+}
+
+#[test]
+fn versions_that_are_none_are_said() {
+    for version in ["abc", "", "3.x", "1.2.3.4"] {
+        Files::new(&[]).warned(version, WALL, "\"version\" is none");
+    }
+    for version in ["4.2.0", "17"] {
+        Files::new(&[]).warned(version, WALL, "newer");
+    }
+    for version in ["3", "3.5.2", " 2.1.0 ", "3.0"] {
+        Files::new(&[]).clean(version, WALL);
+    }
 }
 
 #[test]

@@ -35,6 +35,14 @@ impl Loader<'_> {
                 message: format!("malformed XML: {}", message_without_place(&error)),
             }
         })?;
+        for (line, what) in &source.notes {
+            let place = Location {
+                file: source.path.clone(),
+                line: *line,
+                column: 0,
+            };
+            self.diagnostics.warn(&place, "XML", what)?;
+        }
         self.document.files.push(source.path.to_path_buf());
         self.open_files.push(identity(&source.path));
         let folder = match source.path.parent() {
@@ -47,13 +55,18 @@ impl Loader<'_> {
             is_legacy: false,
         };
         let root = xml.root_element();
-        context.is_legacy = root.attribute("version").is_some_and(is_before_2);
+        let version = root.attribute("version").and_then(major_version);
+        context.is_legacy = version.is_some_and(|major| major < 2);
         let element = self.element(root, &context)?;
         let Some(kind) = ObjectKind::from_element(element.tag) else {
             return Err(element.error("the outermost element must be <scene>"));
         };
         if element.attribute("version").is_none() {
             element.warn("the attribute \"version\" is missing; 3.0.0 is assumed")?;
+        } else if version.is_none() {
+            element.warn("the attribute \"version\" is none; 3.0.0 is assumed")?;
+        } else if version > Some(NEWEST_VERSION) {
+            element.warn("the version is newer than what is known; 3.0.0 is assumed")?;
         }
         match parent {
             None if kind != ObjectKind::Scene => {
@@ -144,10 +157,15 @@ impl Loader<'_> {
     }
 }
 
-/// Whether a version is of the time before Mitsuba 2, whose files are of version 2.
-fn is_before_2(version: &str) -> bool {
-    let major = version.trim().split('.').next().unwrap_or("");
-    major.parse::<u32>().is_ok_and(|major| major < 2)
+/// Files of Mitsuba 3 are of this version.
+const NEWEST_VERSION: u32 = 3;
+
+/// The first number of a version of up to three.
+fn major_version(version: &str) -> Option<u32> {
+    let mut numbers = version.trim().split('.').map(str::parse::<u32>);
+    let major = numbers.next()?.ok()?;
+    let rest: Result<Vec<u32>, _> = numbers.collect();
+    rest.is_ok_and(|rest| rest.len() <= 2).then_some(major)
 }
 
 /// What makes two paths the same file.

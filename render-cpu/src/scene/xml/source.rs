@@ -1,13 +1,14 @@
 //! Scene files as text with line numbers, and how file names in them are resolved.
 //!
-//! A text is UTF-8 unless a byte order mark or an XML declaration at its start names another encoding.
+//! A text is UTF-8 unless a byte order mark or an XML declaration at its start names another encoding, or its first character
+//! shows that it is UTF-16; what is none of these is Windows-1252.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use encoding_rs::{Encoding, UTF_8};
+use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 use super::lenient::repair;
 use crate::bytes::mistaken;
@@ -19,13 +20,19 @@ pub struct Source {
     pub path: Arc<Path>,
     /// Its text.
     pub text: String,
+    /// What of it is not read as it stands, each with its line.
+    pub notes: Vec<Note>,
     line_starts: Vec<usize>,
 }
 
 impl Source {
     /// A text under a file name, repaired to well-formed XML where that is possible.
     pub fn new(path: &Path, text: &str) -> Source {
-        Source::of_lines(path, repair(text).into_owned())
+        let repaired = repair(text);
+        let mut source = Source::of_lines(path, repaired.text.into_owned());
+        let notes = repaired.notes.into_iter();
+        source.notes = notes.map(|(line, what)| (line, what.to_owned())).collect();
+        source
     }
 
     /// A text that needs no decoding, under a file name.
@@ -36,15 +43,18 @@ impl Source {
         Source {
             path: path.into(),
             text,
+            notes: Vec::new(),
             line_starts,
         }
     }
 
     /// Reads a scene file of at most `budget` bytes, which is reduced by its size.
     pub fn read(path: &Path, budget: &mut u64) -> Result<Source, SceneError> {
-        let text = read_text(path, *budget)?;
+        let (text, note) = decode(path, read_bytes(path, *budget)?)?;
         *budget = budget.saturating_sub(text.len() as u64);
-        Ok(Source::new(path, &text))
+        let mut source = Source::new(path, &text);
+        source.notes.extend(note);
+        Ok(source)
     }
 
     /// The location of a byte.
@@ -98,6 +108,10 @@ pub fn prepended(search_paths: &[PathBuf], folder: PathBuf) -> Arc<[PathBuf]> {
 
 /// Reads a text file of at most `limit` bytes.
 pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
+    Ok(decode(path, read_bytes(path, limit)?)?.0)
+}
+
+fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, SceneError> {
     let fail = |error: std::io::Error| SceneError::file(path, format!("cannot be read: {error}"));
     let file = File::open(path).map_err(fail)?;
     // Opening a folder succeeds on some systems; a device or a pipe may never end.
@@ -115,14 +129,28 @@ pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
     if let Some(what) = mistaken(path, &bytes) {
         return Err(SceneError::file(path, what));
     }
-    decode(path, bytes)
+    Ok(bytes)
 }
 
-/// The text of a file, decoded from the encoding that it declares.
-pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
-    let (encoding, mark) = match Encoding::for_bom(&bytes) {
-        Some(found) => found,
-        None => (declared_encoding(path, &bytes)?, 0),
+/// A line, and what is to be said of it.
+pub type Note = (u32, String);
+
+/// The text of a file, decoded from the encoding that it declares, or that its bytes show; and what is wrong with its declaration.
+pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<(String, Option<Note>), SceneError> {
+    let mut note = None;
+    let (encoding, mark) = match (Encoding::for_bom(&bytes), &bytes[..]) {
+        (Some(found), _) => found,
+        (None, [b'<', 0, ..]) => (UTF_16LE, 0),
+        (None, [0, b'<', ..]) => (UTF_16BE, 0),
+        (None, _) => match declared_encoding(&bytes) {
+            Ok(encoding) => (encoding, 0),
+            Err(label) => {
+                let what =
+                    format!("the encoding \"{label}\" is not known; the file is read as UTF-8");
+                note = Some((1, what));
+                (UTF_8, 0)
+            }
+        },
     };
     if encoding != UTF_8 {
         let (text, had_errors) = encoding.decode_without_bom_handling(&bytes[mark..]);
@@ -130,22 +158,27 @@ pub fn decode(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
             let message = format!("is not text in the encoding {}", encoding.name());
             return Err(SceneError::file(path, message));
         }
-        return Ok(text.into_owned());
+        return Ok((text.into_owned(), note));
     }
     let mut bytes = bytes;
     bytes.drain(..mark);
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let text = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
-        SceneError::File {
-            location: Source::of_lines(path, text).location(valid),
-            message: "is not UTF-8 text, and names no other encoding".into(),
+    Ok(match String::from_utf8(bytes) {
+        Ok(text) => (text, note),
+        Err(error) if error.as_bytes().contains(&0) => {
+            return Err(SceneError::file(path, "is no text"));
+        }
+        Err(error) => {
+            let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+            let line = valid.iter().filter(|&&b| b == b'\n').count() + 1;
+            let what = "no UTF-8, and no other encoding is named; the file is read as Windows-1252";
+            let (text, _) = WINDOWS_1252.decode_without_bom_handling(error.as_bytes());
+            (text.into_owned(), Some((line as u32, what.to_owned())))
         }
     })
 }
 
-/// The encoding of an XML declaration, or UTF-8.
-fn declared_encoding(path: &Path, bytes: &[u8]) -> Result<&'static Encoding, SceneError> {
+/// The encoding of an XML declaration, or UTF-8; the label of one that is not known is the error.
+fn declared_encoding(bytes: &[u8]) -> Result<&'static Encoding, String> {
     /// Longer than any declaration.
     const MAX_DECLARATION: usize = 256;
     let start = bytes.trim_ascii_start();
@@ -166,10 +199,5 @@ fn declared_encoding(path: &Path, bytes: &[u8]) -> Result<&'static Encoding, Sce
     if label.to_ascii_lowercase().starts_with("utf-16") {
         return Ok(UTF_8);
     }
-    Encoding::for_label(label.as_bytes()).ok_or_else(|| {
-        SceneError::file(
-            path,
-            format!("declares the encoding \"{label}\", which is not known"),
-        )
-    })
+    Encoding::for_label(label.as_bytes()).ok_or_else(|| label.to_owned())
 }

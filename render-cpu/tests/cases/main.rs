@@ -12,6 +12,7 @@ mod masks;
 mod materials;
 mod mesh_files;
 mod meshes;
+mod properties;
 mod scalars;
 mod versions;
 mod xml;

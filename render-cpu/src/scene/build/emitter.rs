@@ -25,7 +25,16 @@ impl Builder {
         for child in root.children_of(ObjectKind::Emitter) {
             let object = child.object;
             object.touch();
-            object.get("sampling_weight");
+            let weight = object.get_float("sampling_weight", 1.0)?;
+            let is_found_by_sampling_alone = matches!(
+                object.plugin.as_str(),
+                "point" | "spot" | "projector" | "directional" | "collimated"
+            );
+            // Other weights change the noise, and light that rays can hit is found all the same.
+            if weight == 0.0 && is_found_by_sampling_alone {
+                object.ignore();
+                continue;
+            }
             match object.plugin.as_str() {
                 "point" => self.add_point(object)?,
                 "spot" => self.add_spot(object)?,
@@ -193,6 +202,8 @@ impl Builder {
 
     fn add_environment(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
         let scale = object.get_float("scale", 1.0)? as f32;
+        // Which directions are sampled how often; the image has the same mean.
+        object.get("mis_compensation");
         let path = object.require_file("filename")?;
         // What it asks for of 0.6 is understood as by a bitmap.
         let bitmap = self.bitmap(object, &path, Reading::of(object)?)?;

@@ -62,6 +62,10 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         (None, None) => "path".to_string(),
     };
     if let Some(object) = object {
+        // How the work is divided.
+        for name in ["samples_per_pass", "block_size"] {
+            object.get(name);
+        }
         settings.rules.hide_emitters = object.get_bool("hide_emitters", false)?.into();
         settings.rules.strict_normals = object.get_bool("strict_normals", false)?.into();
         settings.rules.max_depth = depth(object, "max_depth", -1)?;

@@ -17,7 +17,7 @@ const NOTHING: (Vec3, Vec3) = (Vec3::splat(f32::MAX), Vec3::splat(-f32::MAX));
 impl Builder {
     /// Fills in what depends on the scene as a whole.
     pub(super) fn finish(&mut self, root: &Object, integrator: u32) -> Result<(), SceneError> {
-        // Definitions at the top are there to be referred to; one that nothing uses is no mistake.
+        // Definitions at the top are there to be referred to; one that nothing uses is no mistake, but one that nothing can use is.
         for kind in [
             ObjectKind::Bsdf,
             ObjectKind::Texture,
@@ -29,7 +29,13 @@ impl Builder {
             ObjectKind::Volume,
             ObjectKind::Phase,
         ] {
-            root.children_of(kind).for_each(drop);
+            for child in root.children_of(kind) {
+                let object = child.object;
+                if object.id.is_none() && !object.touched() {
+                    object.ignore();
+                    object.warn("nothing uses it here, nor can without an id; it is left out")?;
+                }
+            }
         }
         self.bound();
         self.select_emitters();

@@ -100,9 +100,15 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Sensor, Sce
         // Its name in Mitsuba 0.6 and those of others.
         "spherical" | "equirectangular" | "panoramic" | "environment" => camera_kind::SPHERICAL,
         other => {
-            return Err(sensor.error(format!(
-                "sensors of type \"{other}\" are not supported; known are perspective, thinlens, orthographic, spherical, radiancemeter and irradiancemeter"
-            )));
+            let (kind, instead) = match other {
+                // Parallel rays in the middle of the image, or everywhere.
+                "distant" | "telecentric" => (camera_kind::ORTHOGRAPHIC, "orthographic"),
+                _ => (camera_kind::PERSPECTIVE, "perspective"),
+            };
+            sensor.warn(format!(
+                "sensors of type \"{other}\" are not supported; \"{instead}\" is used instead"
+            ))?;
+            kind
         }
     };
     if kind == camera_kind::SPHERICAL && !transform::keeps_angles(&to_world) {

@@ -54,6 +54,7 @@ impl Builder {
             let count = self.tables.instances.len();
             name_last(&mut self.names.instances, count, &name_of(&object));
         }
+        self.pass_over_groups(root)?;
         if self
             .tables
             .materials
@@ -61,6 +62,20 @@ impl Builder {
             .any(|m| m.flags & material_flag::HAS_NULL != 0)
         {
             self.tables.info.flags |= scene_flag::HAS_NULL;
+        }
+        Ok(())
+    }
+
+    /// Groups that no instance places are definitions that nothing uses, or, without an id, that nothing can use.
+    fn pass_over_groups(&self, root: &Object) -> Result<(), SceneError> {
+        for child in root.children_of(ObjectKind::Shape) {
+            let group = child.object;
+            if group.plugin == "shapegroup" && !self.groups.contains_key(&group.index) {
+                group.ignore();
+                if group.id.is_none() {
+                    group.warn("no instance can place a group without an id; it is left out")?;
+                }
+            }
         }
         Ok(())
     }
@@ -298,7 +313,11 @@ impl Builder {
         bsdf: Option<Arc<Object>>,
         in_world: bool,
     ) -> Result<(), SceneError> {
-        let emission = object.single_child_of(ObjectKind::Emitter)?.cloned();
+        let mut emission = object.single_child_of(ObjectKind::Emitter)?.cloned();
+        if let Some(other) = emission.take_if(|emission| emission.plugin != "area") {
+            other.ignore();
+            other.warn("only an \"area\" emitter can be part of a shape; it is left out")?;
+        }
         let meters = object.children_of(ObjectKind::Sensor);
         let is_meter = meters
             .filter(|m| Some(m.object.index) == self.meter)
@@ -310,9 +329,6 @@ impl Builder {
         };
         let index = self.tables.shapes.len() as u32;
         if let Some(emission) = emission {
-            if emission.plugin != "area" {
-                return Err(emission.error("only an \"area\" emitter can be part of a shape"));
-            }
             if in_world {
                 shape.emitter = self.tables.emitters.len() as u32;
             } else {

@@ -328,8 +328,8 @@ fn uv_transform(object: &Object) -> Result<[f32; 6], SceneError> {
 }
 
 fn filter(object: &Object) -> Result<u32, SceneError> {
-    // Properties of the mip maps of 0.6, of which the finest level is used.
-    for name in ["max_anisotropy", "cache", "coordinates"] {
+    // Properties of the mip maps of 0.6, of which the finest level is used, and how Mitsuba 3 stores texels.
+    for name in ["max_anisotropy", "cache", "coordinates", "format", "accel"] {
         object.get(name);
     }
     Ok(match object.get_string("filter_type", "bilinear")? {
@@ -366,8 +366,9 @@ fn wrap_mode_of(object: &Object, name: &str) -> Result<u32, SceneError> {
         "repeat" => wrap_mode::REPEAT,
         "mirror" => wrap_mode::MIRROR,
         "clamp" => wrap_mode::CLAMP,
-        "zero" => wrap_mode::ZERO,
-        "one" => wrap_mode::ONE,
+        // In some versions of 0.6 by their colours.
+        "zero" | "black" => wrap_mode::ZERO,
+        "one" | "white" => wrap_mode::ONE,
         other => {
             return Err(object.property_error(
                 "wrap_mode",

@@ -32,7 +32,10 @@ pub fn snake_case(name: &str) -> String {
 /// The name of today for a property, already in snake case, of an object.
 pub fn property_name(kind: ObjectKind, plugin: &str, name: String) -> String {
     match (kind, plugin, name.as_str()) {
-        (ObjectKind::Bsdf, "diffuse", "diffuse_reflectance") => "reflectance".into(),
+        (ObjectKind::Bsdf, "diffuse" | "roughdiffuse", "diffuse_reflectance") => {
+            "reflectance".into()
+        }
+        (ObjectKind::Bsdf, "difftrans", "diffuse_transmittance") => "transmittance".into(),
         _ => name,
     }
 }

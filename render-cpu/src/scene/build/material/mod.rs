@@ -203,8 +203,14 @@ impl Builder {
                 }
             }
             "phong" | "ward" => self.glossy(object, &context, lobes)?,
-            "principled" => self.principled(object, &context, lobes)?,
-            "principledthin" => self.principled_thin(object, &context, lobes)?,
+            "principled" => {
+                pass_over_sampling_rates(object);
+                self.principled(object, &context, lobes)?;
+            }
+            "principledthin" => {
+                pass_over_sampling_rates(object);
+                self.principled_thin(object, &context, lobes)?;
+            }
             "coating" | "roughcoating" => self.coating(object, &context, inner, lobes)?,
             "normalmap" | "bumpmap" => {
                 let nested = nested_bsdfs(object, 1, 1)?;
@@ -254,6 +260,13 @@ impl Builder {
         });
         Ok(())
     }
+}
+
+/// Mitsuba 3 is told how often to choose each part of its model, which changes the noise alone.
+fn pass_over_sampling_rates(object: &Object) {
+    let properties = object.properties.iter();
+    let rates = properties.filter(|property| property.name.ends_with("_sampling_rate"));
+    rates.for_each(|property| property.mark());
 }
 
 /// Whether a `wireframe` texture is somewhere below an object.

@@ -1,0 +1,143 @@
+//! Objects and properties that files have in odd places, or under other names.
+
+use crate::Files;
+
+const WALL: &str = r#"<shape type="rectangle"/>"#;
+
+#[test]
+fn what_nothing_can_use_is_said() {
+    let files = Files::new(&[]);
+    let without = files.clean("3.0.0", WALL);
+    for object in [
+        r#"<film type="hdrfilm"/>"#,
+        r#"<sampler type="independent"/>"#,
+        r#"<rfilter type="box"/>"#,
+        r#"<phase type="hg"/>"#,
+        r#"<volume type="constvolume"/>"#,
+        r#"<medium type="homogeneous"/>"#,
+        r#"<bsdf type="blub"/>"#,
+        r#"<texture type="blub"/>"#,
+        r#"<shape type="shapegroup"><shape type="sphere"/></shape>"#,
+    ] {
+        let tables = files.warned("3.0.0", &format!("{WALL}{object}"), "left out");
+        assert_eq!(tables, without, "{object}");
+        // Definitions need no user.
+        let defined = object.replacen(" type", " id=\"a\" type", 1);
+        assert_eq!(
+            files.clean("3.0.0", &format!("{WALL}{defined}")),
+            without,
+            "{defined}"
+        );
+    }
+}
+
+#[test]
+fn lights_that_are_never_sampled_are_left_out() {
+    let files = Files::new(&[]);
+    let without = files.clean("3.0.0", WALL);
+    for light in ["point", "spot", "directional", "projector"] {
+        let weighted = |weight: &str| {
+            let light = format!(
+                r#"{WALL}<emitter type="{light}"><float name="sampling_weight" value="{weight}"/></emitter>"#
+            );
+            files.clean("3.0.0", &light)
+        };
+        assert_eq!(weighted("0"), without, "{light}");
+        assert_ne!(weighted("2"), without, "{light}");
+    }
+    // One that rays can hit is there.
+    let lamp = |weight: &str| {
+        let lamp =
+            format!(r#"<shape type="sphere"><emitter type="area">{weight}</emitter></shape>"#);
+        files.clean("3.0.0", &lamp)
+    };
+    assert_eq!(
+        lamp(r#"<float name="sampling_weight" value="0"/>"#),
+        lamp("")
+    );
+}
+
+#[test]
+fn older_names_are_understood() {
+    let files = Files::new(&[("t.pfm", b"PF\n1 1\n-1\n\0\0\0\x3f\0\0\0\x3f\0\0\0\x3f")]);
+    let wall = |bsdf: &str| {
+        files.clean(
+            "0.6.0",
+            &format!(r#"<shape type="rectangle">{bsdf}</shape>"#),
+        )
+    };
+    for (plugin, old, new) in [
+        ("roughdiffuse", "diffuseReflectance", "reflectance"),
+        ("difftrans", "diffuseTransmittance", "transmittance"),
+        ("diffuse", "diffuseReflectance", "reflectance"),
+    ] {
+        let bsdf = |name: &str| {
+            wall(&format!(
+                r#"<bsdf type="{plugin}"><rgb name="{name}" value="0.1 0.2 0.3"/></bsdf>"#
+            ))
+        };
+        assert_eq!(bsdf(old), bsdf(new), "{plugin}");
+    }
+    for (old, new) in [("black", "zero"), ("white", "one")] {
+        let bitmap = |mode: &str| {
+            wall(&format!(
+                r#"<bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="t.pfm"/><string name="wrapMode" value="{mode}"/></texture></bsdf>"#
+            ))
+        };
+        assert_eq!(bitmap(old), bitmap(new), "{old}");
+    }
+}
+
+#[test]
+fn properties_that_change_no_mean_pass() {
+    let files = Files::new(&[("t.pfm", b"PF\n1 1\n-1\n\0\0\0\x3f\0\0\0\x3f\0\0\0\x3f")]);
+    for content in [
+        r#"<integrator type="path"><integer name="samples_per_pass" value="4"/><integer name="block_size" value="16"/></integrator>"#,
+        r#"<shape type="sphere"><bsdf type="principled"><float name="diffuse_reflectance_sampling_rate" value="2"/><float name="clearcoat_sampling_rate" value="2"/></bsdf></shape>"#,
+        r#"<shape type="sphere"><bsdf type="principledthin"><float name="spec_trans_sampling_rate" value="2"/></bsdf></shape>"#,
+        r#"<shape type="rectangle"><bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="t.pfm"/><string name="format" value="fp16"/><boolean name="accel" value="false"/></texture></bsdf></shape>"#,
+    ] {
+        files.clean("3.0.0", content);
+    }
+}
+
+#[test]
+fn what_is_not_supported_is_replaced_or_left_out() {
+    let files = Files::new(&[]);
+    let plain = files.clean("3.0.0", r#"<shape type="sphere"/>"#);
+    for light in ["point", "constant", "blub"] {
+        let content = format!(
+            r#"<shape type="sphere"><emitter type="{light}"><rgb name="radiance" value="2"/></emitter></shape>"#
+        );
+        assert_eq!(
+            files.warned("3.0.0", &content, "only an \"area\" emitter"),
+            plain
+        );
+    }
+    let sensor = |plugin: &str| {
+        let text = crate::text("3.0.0", r#"<shape type="sphere"/>"#);
+        text.replace(
+            "<sensor type=\"perspective\"><float name=\"fov\" value=\"28.072486935852958\"/>",
+            &format!("<sensor type=\"{plugin}\">"),
+        )
+    };
+    for (plugin, instead) in [
+        ("distant", "orthographic"),
+        ("telecentric", "orthographic"),
+        ("perspective_rdist", "perspective"),
+        ("fluencemeter", "perspective"),
+    ] {
+        let scene = files.load(sensor(plugin).as_bytes(), false).unwrap();
+        assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+        let said = scene.warnings[0].to_string();
+        assert!(
+            said.contains(&format!("\"{instead}\" is used instead")),
+            "{said}"
+        );
+        let known = files.load(sensor(instead).as_bytes(), true).unwrap();
+        assert_eq!(scene.tables.fingerprint(), known.tables.fingerprint());
+        files
+            .load(sensor(plugin).as_bytes(), true)
+            .expect_err("strictly an error");
+    }
+}

@@ -75,13 +75,34 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     }
 }
 
-/// The arguments with `render` where a scene stands in the place of a command.
+/// The arguments with `render` where a scene, or an option of `render`, stands in the place of a command.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let is_scene = |argument: &OsString| {
-        let extension = Path::new(argument).extension().unwrap_or_default();
-        argument == "-" || extension.eq_ignore_ascii_case("xml")
+    // These say how much is printed, whatever the command.
+    let is_general = |argument: &OsString| {
+        let text = argument.to_string_lossy();
+        let is_short = text
+            .strip_prefix("-v")
+            .is_some_and(|v| v.chars().all(|c| c == 'v'));
+        is_short || matches!(&*text, "-q" | "--quiet" | "--verbose")
     };
-    if arguments.get(1).is_some_and(is_scene) {
+    let Some(first) = arguments.iter().skip(1).find(|a| !is_general(a)) else {
+        return arguments;
+    };
+    let is_scene = |argument: &OsString| {
+        let path = Path::new(argument);
+        let extension = path.extension().unwrap_or_default();
+        argument == "-" || extension.eq_ignore_ascii_case("xml") || path.is_file()
+    };
+    let is_command = |text: &str| {
+        let cli = Cli::command();
+        text == "help" || cli.find_subcommand(text).is_some()
+    };
+    let text = first.to_string_lossy();
+    let is_render = match text.strip_prefix('-') {
+        Some(_) if text != "-" => !matches!(&*text, "-h" | "--help" | "-V" | "--version"),
+        _ => !is_command(&text) && is_scene(first),
+    };
+    if is_render {
         arguments.insert(1, "render".into());
     }
     arguments

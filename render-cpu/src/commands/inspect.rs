@@ -154,6 +154,11 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
     let Some(tool) = args.tool else {
         return super::inspect_page::run(args, quiet);
     };
+    if let (Some(min), Some(max)) = (args.min, args.max)
+        && min >= max
+    {
+        return Err("--min must be below --max".into());
+    }
     output_file::check(&args.output, &["png"], args.inputs())?;
     if tool == Tool::SphericalPlot && args.at.is_none() && args.pixel.is_none() {
         return Err("--tool spherical-plot needs a place: --at X,Y,Z or --pixel X,Y".into());

@@ -1,7 +1,8 @@
 //! Ctrl-C and the other signals that ask a run to end.
 //!
 //! The first one asks: what is under way is finished, files are written. The second one ends the program. A hang-up that the
-//! shell has been told to ignore (`nohup`) stays ignored.
+//! shell has been told to ignore (`nohup`) stays ignored, and so does the Ctrl-C that it ignores for what runs in the background of
+//! a script.
 
 use crate::say::note;
 use std::process;
@@ -15,7 +16,7 @@ pub const EXIT_INTERRUPTED: u8 = 130;
 pub fn request(quiet: bool) -> Arc<AtomicBool> {
     let request = Arc::new(AtomicBool::new(false));
     let flag = request.clone();
-    let was_ignored = hang_up::is_ignored();
+    let ignored = ignored::signals();
     let installed = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
             process::exit(EXIT_INTERRUPTED.into());
@@ -28,36 +29,42 @@ pub fn request(quiet: bool) -> Arc<AtomicBool> {
     if let Err(error) = installed {
         tracing::debug!("Ctrl-C ends the program at once: {error}");
     }
-    if was_ignored {
-        hang_up::ignore();
-    }
+    ignored::restore(ignored);
     request
 }
 
+/// What whoever started the program had ignored: hang-ups (`nohup`), and Ctrl-C of what a script runs in the background.
 #[cfg(unix)]
-mod hang_up {
-    /// Whether whoever started the program had hang-ups ignored.
-    pub fn is_ignored() -> bool {
-        // SAFETY: all-zero bytes are a valid `sigaction`, and the call only writes to it.
-        unsafe {
-            let mut action: libc::sigaction = std::mem::zeroed();
-            libc::sigaction(libc::SIGHUP, std::ptr::null(), &mut action) == 0
-                && action.sa_sigaction == libc::SIG_IGN
-        }
+mod ignored {
+    const SIGNALS: [libc::c_int; 2] = [libc::SIGHUP, libc::SIGINT];
+
+    /// The signals that are ignored.
+    pub fn signals() -> Vec<libc::c_int> {
+        let is_ignored = |signal: &libc::c_int| {
+            // SAFETY: all-zero bytes are a valid `sigaction`, and the call only writes to it.
+            unsafe {
+                let mut action: libc::sigaction = std::mem::zeroed();
+                libc::sigaction(*signal, std::ptr::null(), &mut action) == 0
+                    && action.sa_sigaction == libc::SIG_IGN
+            }
+        };
+        SIGNALS.into_iter().filter(is_ignored).collect()
     }
 
     /// Ignores them again.
-    pub fn ignore() {
-        // SAFETY: ignoring a signal runs no code.
-        unsafe { libc::signal(libc::SIGHUP, libc::SIG_IGN) };
+    pub fn restore(signals: Vec<libc::c_int>) {
+        for signal in signals {
+            // SAFETY: ignoring a signal runs no code.
+            unsafe { libc::signal(signal, libc::SIG_IGN) };
+        }
     }
 }
 
 #[cfg(not(unix))]
-mod hang_up {
-    pub fn is_ignored() -> bool {
-        false
+mod ignored {
+    pub fn signals() -> Vec<i32> {
+        Vec::new()
     }
 
-    pub fn ignore() {}
+    pub fn restore(_: Vec<i32>) {}
 }

@@ -22,7 +22,7 @@ pub struct LookArgs {
         hide_default_value = true
     )]
     pub owner: String,
-    /// Write colours as 16-bit floats.
+    /// Write colours as 16-bit floats, which end at 65504.
     #[arg(help_heading = "Image", long)]
     pub half: bool,
     /// Bring the largest component of every sample down to VALUE: fewer fireflies, and a bias towards darkness.

@@ -36,12 +36,22 @@ pub fn run(
         .with_ansi(wants_colours())
         .with_writer(|| Notes)
         .init();
+    survive_size_limits();
     match command() {
         Ok(code) => code,
         Err(error) => {
             note(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// A file that becomes too long shall be an error like a full disk, not the end of the program.
+fn survive_size_limits() {
+    #[cfg(unix)]
+    // SAFETY: ignoring a signal runs no code.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
     }
 }
 

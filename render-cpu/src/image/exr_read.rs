@@ -82,6 +82,14 @@ pub fn read_exr(path: impl AsRef<Path>) -> Result<ExrImage, ImageError> {
 /// # Errors
 /// As [`read_exr`].
 pub fn read_exr_bytes(bytes: &[u8], file: &Path) -> Result<ExrImage, ImageError> {
+    if let Ok(format) = image::guess_format(bytes)
+        && format != image::ImageFormat::OpenExr
+    {
+        let name = format.extensions_str().first().copied();
+        let name = name.unwrap_or_default().to_uppercase();
+        let what = format!("is no OpenEXR file, but of the format {name}");
+        return Err(ImageError::malformed(file, what));
+    }
     // The decoder works on its own locals only, and they are dropped: nothing broken is observed afterwards.
     catch_unwind(AssertUnwindSafe(|| decode(bytes, file))).unwrap_or_else(|_| {
         Err(ImageError::malformed(

@@ -154,27 +154,29 @@ mod signals {
     }
 
     #[test]
-    fn a_hang_up_that_shall_be_ignored_is() {
-        let place = Place::with_scene();
-        let command = place.command(&[]);
-        let program = command.get_program().to_str().expect("text");
-        // As nohup does it.
-        let line = format!(
-            "trap '' HUP; exec {program} render scene.xml -o out.exr --time 4s --checkpoint c --checkpoint-interval 0.1s"
-        );
-        let mut child = Command::new("sh")
-            .args(["-c", &line])
-            .current_dir(place.path("."))
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("a shell");
-        wait_for(&place.path("c"));
-        send("-HUP", child.id());
-        assert_eq!(
-            child.wait().expect("a status").code(),
-            Some(0),
-            "it ended early"
-        );
+    fn signals_that_shall_be_ignored_are() {
+        // As nohup does it, and shells for what a script runs in the background.
+        for signal in ["HUP", "INT"] {
+            let place = Place::with_scene();
+            let command = place.command(&[]);
+            let program = command.get_program().to_str().expect("text");
+            let line = format!(
+                "trap '' {signal}; exec {program} render scene.xml -o out.exr --time 4s --checkpoint c --checkpoint-interval 0.1s"
+            );
+            let mut child = Command::new("sh")
+                .args(["-c", &line])
+                .current_dir(place.path("."))
+                .stderr(Stdio::null())
+                .spawn()
+                .expect("a shell");
+            wait_for(&place.path("c"));
+            send(&format!("-{signal}"), child.id());
+            assert_eq!(
+                child.wait().expect("a status").code(),
+                Some(0),
+                "it ended early"
+            );
+        }
     }
 
     #[test]

@@ -60,6 +60,16 @@ impl Place {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_halflight"));
         command.args(arguments).current_dir(self.folder.path());
+        // Whoever runs the tests may have Ctrl-C ignored, which the command would respect.
+        #[cfg(unix)]
+        // SAFETY: setting the default action of a signal is allowed between fork and exec.
+        unsafe {
+            use std::os::unix::process::CommandExt;
+            command.pre_exec(|| {
+                libc::signal(libc::SIGINT, libc::SIG_DFL);
+                Ok(())
+            });
+        }
         command
     }
 

@@ -196,6 +196,58 @@ fn an_image_is_not_lost_with_its_folder() {
 }
 
 #[test]
+fn inputs_of_another_kind_are_named() {
+    let place = Place::with_scene();
+    place.succeed(&["render", "scene.xml", "-o", "a.exr"]);
+    for (arguments, part) in [
+        (
+            &["compare", "a.exr", "a.png"][..],
+            "is no OpenEXR file, but of the format PNG",
+        ),
+        (
+            &[
+                "inspect",
+                "scene.xml",
+                "--tool",
+                "false-color",
+                "-o",
+                "f.png",
+                "--min",
+                "5",
+                "--max",
+                "1",
+            ],
+            "--min must be below --max",
+        ),
+    ] {
+        let output = place.run(arguments);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            !output.status.success() && text.contains(part),
+            "{arguments:?}: {text}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_on_the_length_of_files_is_an_error() {
+    let place = Place::with_scene();
+    let command = place.command(&[]);
+    let program = command.get_program().to_str().expect("text");
+    let line = format!("ulimit -f 1; exec {program} render scene.xml -o a.exr --size 200x200");
+    let output = std::process::Command::new("sh")
+        .args(["-c", &line])
+        .current_dir(place.path("."))
+        .env("TMPDIR", place.path("."))
+        .output()
+        .expect("a shell");
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("cannot write a.exr"), "{text}");
+}
+
+#[test]
 fn two_files_are_not_written_to_one_place() {
     let place = Place::with_scene();
     for (arguments, part) in [

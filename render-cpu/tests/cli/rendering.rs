@@ -279,3 +279,35 @@ fn every_example_scene_renders_without_a_warning() {
     }
     assert!(count >= 5, "only {count} example scenes");
 }
+
+#[test]
+fn a_scene_needs_no_command_wherever_it_stands() {
+    let place = Place::with_scene();
+    place.write("scene", SCENE);
+    for arguments in [
+        &["-q", "scene.xml"][..],
+        &["-v", "scene.xml", "--no-png"],
+        &["-vv", "scene.xml"],
+        &["--threads", "1", "scene.xml"],
+        &["-o", "scene.exr", "scene.xml"],
+        &["-q", "-o", "scene.exr", "--", "scene.xml"],
+        &["--", "scene.xml"],
+        &["scene"],
+    ] {
+        let _ = std::fs::remove_file(place.path("scene.exr"));
+        place.succeed(arguments);
+        assert!(place.path("scene.exr").is_file(), "{arguments:?}");
+    }
+    // What is a command, or nearly one, is none of this.
+    for arguments in [
+        &["-q", "info", "scene.xml"][..],
+        &["--version"],
+        &["help"],
+        &["-v", "list", "bsdfs"],
+    ] {
+        place.succeed(arguments);
+    }
+    let output = place.run(&["rendr", "scene.xml"]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(text.contains("unrecognized subcommand"), "{text}");
+}

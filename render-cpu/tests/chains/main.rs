@@ -8,6 +8,7 @@ mod brightness;
 mod half_vectors;
 mod measures;
 mod promises;
+mod returns;
 #[path = "../bidirectional/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;

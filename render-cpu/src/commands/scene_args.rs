@@ -40,7 +40,7 @@ pub struct SceneArgs {
     /// Which of several sensors, from 0.
     #[arg(help_heading = "Scene", long, value_name = "N", default_value_t = 0)]
     pub sensor: usize,
-    /// A file with edits of light transport: a scene file that holds nothing but <edit>s.
+    /// A file with edits of light transport: a scene file that holds nothing but `<edit>`s.
     #[arg(help_heading = "Paths", long, value_name = "FILE")]
     pub edit: Option<PathBuf>,
     /// The moment at which the keyframes of edits are taken.

@@ -127,7 +127,7 @@ fn kept_and_left_are_all() {
                 "{what}: {error} off, noise {noise}"
             );
             assert!(
-                share > 0.05 && 6.0 * noise < left.mean,
+                share > 0.05 && 3.0 * noise < left.mean,
                 "{what} shows nothing"
             );
         }

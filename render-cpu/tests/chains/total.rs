@@ -1,7 +1,7 @@
 //! Every mutation on scenes with poles: grazing angles, surfaces that coincide, indices near one, roughness near zero, edges of no
 //! length, normals far off their triangles. Nothing panics, no number is infinite or a NaN, no path without light becomes the state.
 
-use crate::brightness::{POINT, SKY, camera};
+use crate::brightness::{SKY, camera};
 use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky, with_view};
 use halflight_kernel::transport::markov::algorithm::StepRecord;
 use halflight_kernel::transport::markov::{ChainAlgorithm, Splat, VeachChains};
@@ -44,8 +44,6 @@ fn scenes() -> Vec<(&'static str, String)> {
         "thinlens",
         r#"<float name="aperture_radius" value="0.3"/><float name="focus_distance" value="0.5"/>"#,
     );
-    // The lens within the glass.
-    let around = ball(&glass(1.5), "0.1, 1, 3.5");
     vec![
         (
             "indices near one",
@@ -75,17 +73,6 @@ fn scenes() -> Vec<(&'static str, String)> {
         (
             "facets under a sky, through a thin lens",
             [&thin, &room(&metal(0.05)), SKY, FACETS].concat(),
-        ),
-        (
-            "a lens in glass, and a point light that touches it",
-            [
-                PINHOLE,
-                &room(&metal(0.1)),
-                POINT,
-                &around,
-                &ball(&glass(1.5), "0, 1.3, 0"),
-            ]
-            .concat(),
         ),
     ]
 }

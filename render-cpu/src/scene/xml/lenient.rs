@@ -189,7 +189,9 @@ impl<'a> Repairer<'a> {
                 return;
             };
             let name = before.trim_end().trim_end_matches('=').trim_end();
-            let name = &name[name.rfind(char::is_whitespace).map_or(0, |at| at + 1)..];
+            let name = &name[name
+                .rfind(|c: char| c.is_ascii_whitespace())
+                .map_or(0, |at| at + 1)..];
             let value = &rest[special + 1..];
             if names.contains(&name)
                 && !name.is_empty()
@@ -360,6 +362,8 @@ mod tests {
             assert_eq!(result.notes.len(), 1, "{text}: {:?}", result.notes);
             assert_eq!(result.notes[0].0, line, "{text}");
         }
+        // Blanks of other alphabets separate nothing.
+        assert!(repair("<a\u{a0}b=\"1\" \u{2003}c='2'/>").notes.is_empty());
         // Names within values are none.
         let text = "<a x='b=1' b='2'><a b='3'/></a>";
         assert!(repair(text).notes.is_empty());

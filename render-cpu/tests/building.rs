@@ -270,7 +270,6 @@ fn what_cannot_be_built_is_named() {
             r#"<emitter type="constant"/><emitter type="constant"/>"#.to_string(),
             "more than one environment",
         ),
-        (sphere(r#"<emitter type="point"/>"#), "area"),
     ];
     for (content, part) in cases {
         let message = error(&content);

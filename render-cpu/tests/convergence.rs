@@ -126,7 +126,11 @@ fn references_that_do_not_fit_are_refused() {
     assert!(refused(&exr(&[("", vec![1.0; 3])])).contains("3 x 1"));
     assert!(refused(&exr(&[("", vec![1.0, f32::NAN])])).contains("not finite"));
     assert!(refused(&exr(&[("albedo.", vec![1.0, 2.0])])).contains("R, G, B"));
-    assert!(find("pathos").unwrap_err().contains("path, mnee, ptracer, bdpt"));
+    assert!(
+        find("pathos")
+            .unwrap_err()
+            .contains("path, mnee, ptracer, bdpt")
+    );
 }
 
 #[test]

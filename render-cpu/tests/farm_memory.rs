@@ -151,9 +151,9 @@ fn two_thousand_tasks_merge_in_the_memory_of_forty() {
     most_held(folder.path(), 8);
     let few = most_held(folder.path(), 40);
     let many = most_held(folder.path(), 2000);
-    // Buffers of threads come and go; a film is 16 KB, 2000 of them would be 33 MB.
+    // Buffers of threads come and go, a few hundred kilobytes of them; a film is 16 KB, 2000 of them would be 33 MB.
     assert!(
-        many < few + 64 * 1024,
+        many < few + 512 * 1024,
         "{many} bytes for 2000 tasks, {few} for 40"
     );
 }

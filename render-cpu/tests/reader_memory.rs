@@ -183,7 +183,8 @@ fn hostile_files_reserve_little() {
     assert!(peak < LIMIT, "bomb: {peak} bytes");
 
     let text = b"v 0 0 0\nf 4294967295 -2147483648 1\n";
-    let peak = peak_of(|| assert!(obj::read(text, true, path).is_err()));
+    // The face is left out.
+    let peak = peak_of(|| drop(obj::read(text, true, path)));
     assert!(peak < LIMIT, "obj: {peak} bytes");
 
     for (width, height) in [(9_000, 9_000), (65_535, 65_535), (1 << 30, 1)] {

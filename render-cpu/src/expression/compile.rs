@@ -38,6 +38,34 @@ pub struct CompiledExpressions {
 }
 
 impl CompiledExpressions {
+    /// Of the automata that read `count` expressions over an alphabet from either end.
+    pub(super) fn new(
+        count: u32,
+        only: u32,
+        alphabet: Alphabet,
+        light: Deterministic,
+        sensor: Deterministic,
+        joins: Vec<u32>,
+    ) -> CompiledExpressions {
+        CompiledExpressions {
+            count,
+            only,
+            shapes: alphabet.shapes,
+            instances: alphabet.instances,
+            instance_classes: alphabet.instance_classes,
+            regions: alphabet.regions,
+            letters: alphabet.letters,
+            emitters: alphabet.emitters,
+            sensor: alphabet.sensor,
+            alphabet: alphabet.accepted.len() as u32,
+            light_next: light.next,
+            light_matched: light.matched,
+            sensor_next: sensor.next,
+            sensor_matched: sensor.matched,
+            joins,
+        }
+    }
+
     /// The tables, borrowed for the kernel.
     pub fn view(&self) -> PathExpressions<'_> {
         PathExpressions {
@@ -116,23 +144,10 @@ pub fn compile(
         .map_err(|message| too_complex(&message))?;
     let joins = joins(&positions, &light, &sensor, texts.len(), only)
         .ok_or_else(|| too_complex("these expressions are too complex together"))?;
-    Ok(CompiledExpressions {
-        count: texts.len() as u32,
-        only,
-        shapes: alphabet.shapes,
-        instances: alphabet.instances,
-        instance_classes: alphabet.instance_classes,
-        regions: alphabet.regions,
-        letters: alphabet.letters,
-        emitters: alphabet.emitters,
-        sensor: alphabet.sensor,
-        alphabet: alphabet.accepted.len() as u32,
-        light_next: light.next,
-        light_matched: light.matched,
-        sensor_next: sensor.next,
-        sensor_matched: sensor.matched,
-        joins,
-    })
+    let count = texts.len() as u32;
+    Ok(CompiledExpressions::new(
+        count, only, alphabet, light, sensor, joins,
+    ))
 }
 
 /// Expressions that have been read, over the letters of a scene.

@@ -80,23 +80,7 @@ pub fn compile_selections(
         }
     }
     Ok(CompiledSelections {
-        words: CompiledExpressions {
-            count: texts.len() as u32,
-            only: 0,
-            shapes: alphabet.shapes,
-            instances: alphabet.instances,
-            instance_classes: alphabet.instance_classes,
-            regions: alphabet.regions,
-            letters: alphabet.letters,
-            emitters: alphabet.emitters,
-            sensor: alphabet.sensor,
-            alphabet: alphabet.accepted.len() as u32,
-            light_next: light.next,
-            light_matched: light.matched,
-            sensor_next: sensor.next,
-            sensor_matched: sensor.matched,
-            joins: Vec::new(),
-        },
+        words: CompiledExpressions::new(texts.len() as u32, 0, alphabet, light, sensor, Vec::new()),
         flows,
     })
 }

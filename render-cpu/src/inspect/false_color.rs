@@ -4,29 +4,20 @@
 //! blindness.
 
 use super::legend::{ColorScale, WIDTH};
+use super::pixel_film::pixel_film;
 use crate::accel::Accel;
-use crate::film::aov::AovSet;
 use crate::film::{Film, FilmError, luminance};
 use crate::plot::canvas::{Canvas, DrawError};
 use crate::scene::build::Scene;
 use glam::Vec3;
-use halflight_kernel::sampler::IndependentSampler;
 use halflight_kernel::scene::SceneView;
-use halflight_kernel::transport::camera_ray;
 use halflight_kernel::transport::irradiance::irradiance;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
-
-/// Side of the squares of pixels that a thread takes at a time.
-const TILE: u32 = 16;
 
 /// The irradiance of what each pixel of a scene's image sees, of the paths of its expression if it has one.
 ///
 /// # Errors
 /// If the film does not fit into memory.
 pub fn irradiance_film(scene: &Scene, samples: u32, seed: u32) -> Result<Film, FilmError> {
-    let camera = &scene.tables.camera;
-    let [width, height] = camera.crop_size;
-    let mut film = Film::new(width, height, camera.crop_offset, AovSet::NONE)?;
     let tables = scene.tables.view();
     let accel = Accel::build(tables, &scene.tables.groups);
     let traverse = accel.traverse(tables);
@@ -35,27 +26,9 @@ pub fn irradiance_film(scene: &Scene, samples: u32, seed: u32) -> Result<Film, F
         traverse: &traverse,
     };
     let expressions = scene.parts.view();
-    film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
-        for y in tile.y()..tile.y() + tile.height() {
-            for x in tile.x()..tile.x() + tile.width() {
-                let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
-                let index = pixel[1] * camera.film_size[0] + pixel[0];
-                for sample in 0..samples {
-                    let mut sampler = IndependentSampler::new(seed, index, sample);
-                    let seen = camera_ray(&tables, &mut sampler, pixel);
-                    let found = irradiance(
-                        &view,
-                        &scene.settings,
-                        expressions.as_ref(),
-                        &mut sampler,
-                        &seen.ray,
-                    );
-                    tile.pixel_mut(x, y).add_sample(found * seen.weight);
-                }
-            }
-        }
-    });
-    Ok(film)
+    pixel_film(&tables, samples, seed, |sampler, ray| {
+        irradiance(&view, &scene.settings, expressions.as_ref(), sampler, ray)
+    })
 }
 
 /// Draws the luminance of an image of a width, by rows, beside a legend.

@@ -6,6 +6,7 @@ pub mod false_color;
 mod legend;
 pub mod page;
 pub mod paths;
+mod pixel_film;
 pub mod record;
 pub mod record_file;
 pub mod spherical_plot;

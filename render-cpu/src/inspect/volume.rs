@@ -4,17 +4,17 @@
 //! Light walks are divided into as many groups whatever the number of threads, and the groups' sums are added in order, so that a
 //! volume is a function of its seed.
 
-use crate::film::aov::AovSet;
+use super::pixel_film::pixel_film;
 use crate::film::{Film, FilmError};
 use crate::scene::build::Scene;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use halflight_kernel::math::Rgb;
 use halflight_kernel::path::PathExpressions;
 use halflight_kernel::sampler::{IndependentSampler, mix};
 use halflight_kernel::scene::{SceneView, Traverse};
 use halflight_kernel::transport::bidirectional::Bidirectional;
 use halflight_kernel::transport::light_volume::VoxelGrid;
-use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind, path};
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind, path};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Groups of light walks.
@@ -25,9 +25,6 @@ pub const MAX_VOXELS: usize = 1 << 23;
 
 /// Tells the numbers of these walks from others.
 const STREAM: u32 = 0x7c15_9e37;
-
-/// Side of the squares of pixels that a thread takes at a time.
-const TILE: u32 = 16;
 
 /// The light in a box.
 #[derive(Clone, Debug)]
@@ -93,28 +90,12 @@ impl LightVolume {
         samples: u32,
         seed: u32,
     ) -> Result<Film, FilmError> {
-        let camera = &scene.tables.camera;
-        let [width, height] = camera.crop_size;
-        let mut film = Film::new(width, height, camera.crop_offset, AovSet::NONE)?;
-        film.tiles_mut(TILE).into_par_iter().for_each(|mut tile| {
-            for y in tile.y()..tile.y() + tile.height() {
-                for x in tile.x()..tile.x() + tile.width() {
-                    let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
-                    let index = pixel[1] * camera.film_size[0] + pixel[0];
-                    for sample in 0..samples {
-                        let mut sampler = IndependentSampler::new(seed, index, sample);
-                        let seen = camera_ray(&view.tables, &mut sampler, pixel);
-                        let hit = view.traverse.closest_hit(&seen.ray);
-                        let t_max = if hit.is_hit() { hit.t } else { f32::MAX };
-                        let (scattered, through) =
-                            self.grid.scattered(&self.fluence, &seen.ray, t_max);
-                        let behind = path::radiance(view, &scene.settings, &mut sampler, &seen.ray);
-                        let found: Vec3 = scattered + behind * through;
-                        tile.pixel_mut(x, y).add_sample(found * seen.weight);
-                    }
-                }
-            }
-        });
-        Ok(film)
+        pixel_film(&view.tables, samples, seed, |sampler, ray| {
+            let hit = view.traverse.closest_hit(ray);
+            let t_max = if hit.is_hit() { hit.t } else { f32::MAX };
+            let (scattered, through) = self.grid.scattered(&self.fluence, ray, t_max);
+            let behind = path::radiance(view, &scene.settings, sampler, ray);
+            scattered + behind * through
+        })
     }
 }

@@ -6,8 +6,11 @@ mod probes;
 mod records;
 mod volume;
 
+use halflight::accel::{Accel, CpuTraverse};
+use halflight::expression::{PartsRequest, PathParts};
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene;
+use halflight_kernel::scene::SceneView;
 
 fn scene(content: &str) -> Scene {
     let folder = tempfile::tempdir().unwrap();
@@ -15,6 +18,26 @@ fn scene(content: &str) -> Scene {
     std::fs::write(&path, format!("<scene version=\"3.0.0\">{content}</scene>")).unwrap();
     let parsed = parse_scene(&path, &[], true).unwrap();
     build_scene(&parsed, &BuildOptions::default()).unwrap()
+}
+
+/// What `work` makes of a scene with its ray tracer.
+fn with_view<R>(scene: &Scene, work: impl FnOnce(&SceneView<'_, CpuTraverse<'_>>) -> R) -> R {
+    let tables = scene.tables.view();
+    let accel = Accel::build(tables, &scene.tables.groups);
+    let traverse = accel.traverse(tables);
+    work(&SceneView {
+        tables,
+        traverse: &traverse,
+    })
+}
+
+/// The paths of an expression, or all.
+fn parts(scene: &Scene, only: Option<&str>) -> PathParts {
+    let request = PartsRequest {
+        layers: Vec::new(),
+        only: only.map(str::to_owned),
+    };
+    PathParts::new(&request, &scene.tables.view(), &scene.names).unwrap()
 }
 
 /// Looks down on a large floor at z = 0 from above; 6 by 4 pixels.

@@ -1,8 +1,7 @@
 //! False colours, irradiance, spherical plots.
 
-use crate::{ABOVE, SKY, scene};
+use crate::{ABOVE, SKY, scene, with_view};
 use glam::{DVec3, Vec3};
-use halflight::accel::Accel;
 use halflight::expression::PartsRequest;
 use halflight::inspect::ColorScale;
 use halflight::inspect::false_color::{draw, irradiance_film};
@@ -18,26 +17,21 @@ fn with_plot(
     rows: usize,
     samples: u32,
 ) -> (Probe, SphericalPlot) {
-    let tables = scene.tables.view();
-    let accel = Accel::build(tables, &scene.tables.groups);
-    let traverse = accel.traverse(tables);
-    let view = SceneView {
-        tables,
-        traverse: &traverse,
-    };
-    let probe = probe(&view);
-    let expressions = scene.parts.view();
-    let settings = &scene.settings;
-    let plot = SphericalPlot::measure(
-        &view,
-        settings,
-        expressions.as_ref(),
-        &probe,
-        rows,
-        samples,
-        3,
-    );
-    (probe, plot)
+    with_view(scene, |view| {
+        let probe = probe(view);
+        let expressions = scene.parts.view();
+        let settings = &scene.settings;
+        let plot = SphericalPlot::measure(
+            view,
+            settings,
+            expressions.as_ref(),
+            &probe,
+            rows,
+            samples,
+            3,
+        );
+        (probe, plot)
+    })
 }
 
 #[test]

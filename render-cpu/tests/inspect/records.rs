@@ -1,14 +1,12 @@
 //! Records of paths.
 
-use crate::{ABOVE, SKY, scene};
-use halflight::accel::Accel;
-use halflight::expression::{PartsRequest, PathParts};
+use crate::{ABOVE, SKY, parts, scene, with_view};
+use halflight::expression::PartsRequest;
 use halflight::film::aov::AovSet;
 use halflight::inspect::record::{Choice, record};
 use halflight::inspect::record_file::PathRecord;
 use halflight::render::{Goal, RenderOptions, render_film};
 use halflight::scene::build::Scene;
-use halflight_kernel::scene::SceneView;
 use std::process::Command;
 
 /// A diffuse floor, a ball of glass and a lamp.
@@ -30,19 +28,9 @@ pub fn lit_ball_text() -> String {
 }
 
 pub fn recorded(scene: &Scene, only: Option<&str>, choice: &Choice) -> PathRecord {
-    let tables = scene.tables.view();
-    let accel = Accel::build(tables, &scene.tables.groups);
-    let traverse = accel.traverse(tables);
-    let view = SceneView {
-        tables,
-        traverse: &traverse,
-    };
-    let request = PartsRequest {
-        layers: Vec::new(),
-        only: only.map(str::to_owned),
-    };
-    let parts = PathParts::new(&request, &tables, &scene.names).unwrap();
-    record(&view, scene, &parts, choice)
+    with_view(scene, |view| {
+        record(view, scene, &parts(scene, only), choice)
+    })
 }
 
 pub const CHOICE: Choice = Choice {

@@ -1,13 +1,10 @@
 //! The box of virtual medium.
 
-use crate::scene;
+use crate::{parts, scene, with_view};
 use glam::Vec3;
-use halflight::accel::Accel;
-use halflight::expression::{PartsRequest, PathParts};
 use halflight::inspect::volume::LightVolume;
 use halflight::scene::build::Scene;
 use halflight_kernel::math::Ray;
-use halflight_kernel::scene::SceneView;
 use halflight_kernel::transport::light_volume::VoxelGrid;
 use std::f64::consts::PI;
 
@@ -18,20 +15,11 @@ const POINT: &str = r#"<sensor type="perspective"/>
     <shape type="sphere"><point name="center" value="0, 0, -50"/><float name="radius" value="1"/></shape>"#;
 
 fn measure(scene: &Scene, grid: VoxelGrid, walks: u32, only: Option<&str>) -> LightVolume {
-    let tables = scene.tables.view();
-    let accel = Accel::build(tables, &scene.tables.groups);
-    let traverse = accel.traverse(tables);
-    let view = SceneView {
-        tables,
-        traverse: &traverse,
-    };
-    let request = PartsRequest {
-        layers: Vec::new(),
-        only: only.map(str::to_owned),
-    };
-    let parts = PathParts::new(&request, &tables, &scene.names).unwrap();
+    let parts = parts(scene, only);
     let expressions = parts.view();
-    LightVolume::measure(&view, &scene.settings, expressions.as_ref(), grid, walks, 5)
+    with_view(scene, |view| {
+        LightVolume::measure(view, &scene.settings, expressions.as_ref(), grid, walks, 5)
+    })
 }
 
 fn grid(extinction: f32) -> VoxelGrid {

@@ -123,7 +123,7 @@ impl FirstRadii {
         let width = film.width() as usize;
         let mut radii = vec![otherwise; width * film.height() as usize];
         for (tile, distances) in tiles.iter().zip(found?) {
-            for (pixel, distance) in pixels(*tile, width).zip(distances) {
+            for (pixel, distance) in tile.pixels(width).zip(distances) {
                 if distance > 0.0 {
                     radii[pixel] = distance;
                 }
@@ -134,19 +134,11 @@ impl FirstRadii {
 
     /// Of the pixels of a tile, by rows.
     pub(super) fn of_tile(&self, tile: Tile) -> impl Iterator<Item = f32> + '_ {
-        pixels(tile, self.width).map(|pixel| self.radii[pixel])
+        tile.pixels(self.width).map(|pixel| self.radii[pixel])
     }
 
     /// Of a pixel of the film.
     pub(super) fn of_pixel(&self, x: u32, y: u32) -> f32 {
         self.radii[y as usize * self.width + x as usize]
     }
-}
-
-/// The numbers of a tile's pixels in a film of a width.
-fn pixels(tile: Tile, width: usize) -> impl Iterator<Item = usize> {
-    (0..tile.height * tile.width).map(move |i| {
-        let (x, y) = (tile.x + i % tile.width, tile.y + i / tile.width);
-        y as usize * width + x as usize
-    })
 }

@@ -20,7 +20,7 @@ use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::photon::adaptive::{AdaptiveRadii, next_radii};
+use halflight_kernel::transport::photon::adaptive::next_radii;
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::metropolis::{ChainCounts, GatherPoints, VisiblePhotons};
 use halflight_kernel::transport::photon::progressive::{
@@ -125,23 +125,16 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                     return None;
                 }
                 let mut samples = tile_samples(view, self.seed, self.index, tile, new);
-                let first: Option<Vec<f32>> = self.first.map(|f| f.of_tile(tile).collect());
-                let of_first = |i: usize| first.as_ref().map_or(0.0, |first| first[i]);
-                let adaptive: Vec<AdaptiveRadii> = if is_adaptive {
-                    let of_tile = statistics.of_tile(tile).enumerate();
-                    of_tile
-                        .map(|(i, s)| next_radii(&view.tables, settings, &s, of_first(i)))
-                        .collect()
-                } else {
-                    Vec::new()
-                };
-                let own: Option<Vec<f32>> = first.as_ref().map(|first| {
-                    let of_pass = |r: &f32| radius_after(*r, settings, self.index);
-                    first.iter().map(of_pass).collect()
-                });
-                let radii = match &own {
-                    _ if is_adaptive => Radii::Adaptive(&adaptive),
-                    Some(own) => Radii::Own(own),
+                let radii = match self.first {
+                    Some(first) if is_adaptive => {
+                        let known = statistics.of_tile(tile).zip(first.of_tile(tile));
+                        let next = |(s, first)| next_radii(&view.tables, settings, &s, first);
+                        Radii::Adaptive(known.map(next).collect())
+                    }
+                    Some(first) => {
+                        let of_pass = |first| radius_after(first, settings, self.index);
+                        Radii::Own(first.of_tile(tile).map(of_pass).collect())
+                    }
                     None => Radii::Shared,
                 };
                 let mut out = TileSamples::default();
@@ -169,12 +162,12 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 let (x, y) = (tile.x() + i % width, tile.y() + i / width);
                 let mut entry = tile.pixel_mut(x, y);
                 entry.add_sample(*radiance);
-                if let (Some(sums), Some(numbers)) =
-                    (sums.get(i as usize), entry.bandwidth_numbers())
+                if let (Some(first), Some(sums), Some(numbers)) =
+                    (self.first, sums.get(i as usize), entry.bandwidth_numbers())
                 {
                     let mut statistics = statistics_of(numbers);
                     statistics.update(sums, photons.emitted as f32);
-                    let first = self.first.map_or(0.0, |first| first.of_pixel(x, y));
+                    let first = first.of_pixel(x, y);
                     let next = next_radii(&view.tables, settings, &statistics, first);
                     keep(numbers, &statistics, next.radius);
                 }

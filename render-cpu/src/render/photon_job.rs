@@ -33,9 +33,9 @@ pub(super) enum Radii<'a> {
     /// One for all, that of the photons.
     Shared,
     /// One for each sample.
-    Own(&'a [f32]),
+    Own(Vec<f32>),
     /// Those of each sample, whose statistics learn from the photons.
-    Adaptive(&'a [AdaptiveRadii]),
+    Adaptive(Vec<AdaptiveRadii>),
     /// Nothing is gathered, but looked at where it would be.
     Found(&'a mut Find<'a>),
 }

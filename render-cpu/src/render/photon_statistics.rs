@@ -33,11 +33,7 @@ impl<'a> PixelStatistics<'a> {
 
     /// Of the pixels of a tile, by rows.
     pub fn of_tile(&self, tile: Tile) -> impl Iterator<Item = PhotonStatistics> + '_ {
-        let pixels = (0..tile.height * tile.width).map(move |i| {
-            let (x, y) = (tile.x + i % tile.width, tile.y + i / tile.width);
-            y as usize * self.width + x as usize
-        });
-        pixels.map(|pixel| {
+        tile.pixels(self.width).map(|pixel| {
             let start = pixel * self.per_pixel + self.offset;
             let numbers = self.numbers.get(start..start + BANDWIDTH_NUMBERS);
             numbers.map_or_else(PhotonStatistics::default, statistics_of)

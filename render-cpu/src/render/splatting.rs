@@ -210,6 +210,16 @@ pub(super) struct Tile {
     pub height: u32,
 }
 
+impl Tile {
+    /// The numbers of its pixels in a film of a width, by rows.
+    pub fn pixels(self, width: usize) -> impl Iterator<Item = usize> {
+        (0..self.height * self.width).map(move |i| {
+            let (x, y) = (self.x + i % self.width, self.y + i / self.width);
+            y as usize * width + x as usize
+        })
+    }
+}
+
 /// The tiles of a film, by rows.
 pub(super) fn tiles(film: &Film, size: u32) -> Vec<Tile> {
     let mut tiles = Vec::new();

@@ -241,6 +241,17 @@ fn eight_tasks_with_one_requeued_and_one_torn_make_the_image_of_one_run() {
     ]);
     assert!(submitted.status.success(), "{}", text(&submitted));
     let farm = Folder(cluster.path("out.farm"));
+    let control_last = |verb: &str| {
+        let last = text(&output(
+            cluster.command("squeue").args(["-h", "-r", "-o", "%F_%K"]),
+        ));
+        let last = last.lines().find(|job| job.ends_with("_7"));
+        let last = last.expect("the last task in the queue");
+        let held = output(cluster.command("scontrol").args([verb, last]));
+        assert!(held.status.success(), "{}", text(&held));
+    };
+    // The last waits until one is torn, so that not all have ended before, however fast they are.
+    control_last("hold");
 
     // One that has a checkpoint is killed, and put back into the queue.
     let number = |job: &str| -> u32 {
@@ -271,19 +282,20 @@ fn eight_tasks_with_one_requeued_and_one_torn_make_the_image_of_one_run() {
     let is_done = |task: u32| matches!(Record::read(&farm.film(0, task)), Ok(Some(_)));
     let warned = wait_for("a task that requeues itself", || {
         let job = running_beside(Some(killed));
-        let signalled = output(
-            cluster
-                .command("scancel")
-                .args(["--batch", "--signal=TERM", &job]),
-        );
-        if !signalled.status.success() {
-            return None;
-        }
+        // Not waited for: where the controller is changing the state of the job, scancel tries again for up to a minute, and then says
+        // that it failed though the signal came.
+        let mut scancel = cluster
+            .command("scancel")
+            .args(["--batch", "--signal=TERM", &job])
+            .spawn()
+            .expect("a program that starts");
         let task = number(&job);
         let requeues = wait_for("what becomes of the signalled task", || {
             let restarted = has_restarted(task);
             (restarted || is_done(task)).then_some(restarted)
         });
+        let _ = scancel.kill();
+        let _ = scancel.wait();
         requeues.then_some(task)
     });
 
@@ -294,6 +306,7 @@ fn eight_tasks_with_one_requeued_and_one_torn_make_the_image_of_one_run() {
     let film = farm.film(0, torn);
     let bytes = fs::read(&film).expect("a film");
     fs::write(&film, &bytes[..bytes.len() / 2]).expect("a writable film");
+    control_last("release");
 
     // The merge finds it and says so.
     let all_ended = || {

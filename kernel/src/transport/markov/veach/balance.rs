@@ -7,7 +7,7 @@
 use crate::math::float::sqrt;
 use crate::path::remainder::Remainder;
 
-/// Mutations that are worth an independent path: measured over the scenes of the benchmarks.
+/// Mutations that are worth an independent path: a guess, neighbours were not compared.
 const MUTATIONS_PER_PATH: f32 = 8.0;
 
 /// Largest share of the sum that a candidate counts for: rarer paths say nothing about the rest.

@@ -251,7 +251,9 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
             }
             _ => propose_from_sensor(tracer, x, y, bsdf, sampler),
         };
-        if !(ratio > 0.0) {
+        // A path whose light is too small or too large for a float has no reciprocal to count by.
+        let light = y.luminance();
+        if !(ratio > 0.0 && light >= f32::MIN_POSITIVE && light < f32::INFINITY) {
             return 0.0;
         }
         let of_y = self.allowed(y);

@@ -24,6 +24,7 @@ mod output_file;
 pub mod path_args;
 pub mod photon_args;
 mod preview;
+mod preview_tev;
 pub mod processor;
 mod race_setup;
 pub mod record_args;

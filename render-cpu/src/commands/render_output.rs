@@ -1,7 +1,8 @@
 //! The output files of `halflight render`: their names, and their contents.
 
 use super::output_file;
-use super::preview::{LivePng, Previews, TevPreview};
+use super::preview::{LivePng, Previews};
+use super::preview_tev::TevPreview;
 use super::render_args::RenderArgs;
 use crate::atomic_file::WriteError;
 use crate::film::Film;

@@ -141,3 +141,66 @@ fn what_is_not_supported_is_replaced_or_left_out() {
             .expect_err("strictly an error");
     }
 }
+
+#[test]
+fn properties_of_other_integrators_are_said() {
+    let files = Files::new(&[]);
+    let integrator = |plugin: &str, property: &str| {
+        format!(r#"<integrator type="{plugin}">{property}</integrator>"#)
+    };
+    let count = |name: &str| format!(r#"<integer name="{name}" value="3"/>"#);
+    for (plugin, name) in [
+        ("path", "emitterSamples"),
+        ("path", "photon_count"),
+        ("bdpt", "chains"),
+        ("direct", "ray_length"),
+        ("ao", "bsdf_samples"),
+        ("sppm", "luminance_samples"),
+    ] {
+        let content = integrator(plugin, &count(name));
+        files.warned(
+            "3.0.0",
+            &content,
+            &format!("\"{plugin}\" does not use this, but "),
+        );
+        // A parameter may name the one that does.
+        let chosen = format!(
+            "<default name=\"i\" value=\"{plugin}\"/>{}",
+            integrator("$i", &count(name))
+        );
+        files.clean("3.0.0", &chosen);
+    }
+    for (plugin, name) in [
+        ("direct", "emitterSamples"),
+        ("ao", "shading_samples"),
+        ("vcm", "photon_count"),
+        ("mlt", "chains"),
+        ("path", "max_depth"),
+    ] {
+        files.clean("3.0.0", &integrator(plugin, &count(name)));
+    }
+}
+
+#[test]
+fn a_projector_has_a_focal_length() {
+    let files = Files::new(&[]);
+    let projector = |property: &str| {
+        files.clean(
+            "3.0.0",
+            &format!(r#"<emitter type="projector">{property}</emitter>"#),
+        )
+    };
+    let normal = projector("");
+    assert_eq!(
+        projector(r#"<string name="focal_length" value="50mm"/>"#),
+        normal
+    );
+    let fov = 2.0 * (0.5 * 36.0_f64.hypot(24.0) / 50.0).atan().to_degrees();
+    let same =
+        format!(r#"<float name="fov" value="{fov}"/><string name="fov_axis" value="diagonal"/>"#);
+    assert_eq!(projector(&same), normal);
+    assert_ne!(
+        projector(r#"<string name="focal_length" value="85"/>"#),
+        normal
+    );
+}

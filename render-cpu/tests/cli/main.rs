@@ -16,6 +16,7 @@ mod rendering;
 mod room;
 #[path = "../common/skip.rs"]
 mod skip;
+mod viewers;
 
 use room::room;
 use std::path::{Path, PathBuf};

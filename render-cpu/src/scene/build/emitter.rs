@@ -2,13 +2,13 @@
 
 use super::builder::{Builder, name_last};
 use super::reading::Reading;
+use super::sensor::field_of_view;
 use super::texture::{MeshAttributes, expect_constant};
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::transform;
 use crate::scene::xml::{Object, ObjectKind};
 use glam::{DMat4, DVec3};
-use halflight_kernel::scene::camera::{fov_axis, half_extents};
 use halflight_kernel::scene::emitter;
 use halflight_kernel::scene::{
     Emitter, NONE, RgbParameter, Texture, emitter_kind, filter_mode, texel_format, texture_kind,
@@ -139,21 +139,7 @@ impl Builder {
                 }
             }
         };
-        let fov = object.get_float_in("fov", 45.0, 1e-3, 179.999)?;
-        let axis = match object.get_string("fov_axis", "x")? {
-            "x" => fov_axis::X,
-            "y" => fov_axis::Y,
-            "diagonal" => fov_axis::DIAGONAL,
-            "smaller" => fov_axis::SMALLER,
-            "larger" => fov_axis::LARGER,
-            other => {
-                return Err(object.property_error(
-                    "fov_axis",
-                    format!("\"{other}\" is none of x, y, diagonal, smaller, larger"),
-                ));
-            }
-        };
-        let (x, y) = half_extents(fov as f32, axis, width, height);
+        let (x, y) = field_of_view(object, width, height)?;
         record.parameters = [x, y, 0.0, 0.0];
         let to_world = object.get_transform("to_world")?;
         self.set_transform(object, &mut record, to_world)?;

@@ -4,6 +4,7 @@
 //! its `field`s. The enclosed integrator runs, with its own parameters; the additions become layers of the image.
 
 use super::chain_settings::{read_chains, redistribute, with_half_vectors, with_manifold};
+use super::integrator_properties;
 use super::options::BuildOptions;
 use super::regularization;
 use crate::film::aov::{Aov, AovSet};
@@ -87,6 +88,11 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         // Mitsuba 0.6: -1 takes half of the scene's radius.
         let length = object.get_float("ray_length", -1.0)?;
         ray_length = (length > 0.0).then_some(length as f32);
+    }
+    if let (Some(object), None) = (object, &options.integrator)
+        && object.is_literal
+    {
+        integrator_properties::warn_of_others(object)?;
     }
     settings.kind = match integrators::find(&name) {
         Some(integrator) => integrator.kind,

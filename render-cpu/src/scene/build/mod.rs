@@ -12,6 +12,7 @@ mod emitter;
 mod film;
 mod film_format;
 mod integrator;
+mod integrator_properties;
 mod material;
 mod options;
 mod reading;

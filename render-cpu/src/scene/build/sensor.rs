@@ -210,8 +210,12 @@ fn aperture(sensor: &Object, kind: u32) -> Result<f32, SceneError> {
     Ok(radius as f32)
 }
 
-/// Tangents of half the field of view from `fov` and `fov_axis`, or from the focal length on 35 mm film.
-fn field_of_view(sensor: &Object, width: u32, height: u32) -> Result<(f32, f32), SceneError> {
+/// Tangents of half the field of view of a camera or a projector from `fov` and `fov_axis`, or from the focal length on 35 mm film.
+pub(super) fn field_of_view(
+    sensor: &Object,
+    width: u32,
+    height: u32,
+) -> Result<(f32, f32), SceneError> {
     if let Some(fov) = sensor.opt_float("fov")? {
         if !(fov > 0.0 && fov < 180.0) {
             return Err(sensor.property_error("fov", "must be between 0 and 180 degrees"));

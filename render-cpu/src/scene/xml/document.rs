@@ -48,6 +48,8 @@ pub struct RawObject {
     pub search_paths: Arc<[PathBuf]>,
     /// Whether its file is of a version before 2.
     pub is_legacy: bool,
+    /// Whether the file names the plugin itself, not by a parameter.
+    pub is_literal: bool,
     /// In the order of the file.
     pub properties: Vec<RawProperty>,
 }

@@ -158,6 +158,7 @@ impl Copy<'_> {
             location: object.location.clone(),
             search_paths: object.search_paths.clone(),
             is_legacy: object.is_legacy,
+            is_literal: object.is_literal,
             diagnostics: self.diagnostics.clone(),
             kept_files: object.kept_files.clone(),
             touched: AtomicBool::new(false),

@@ -238,6 +238,9 @@ impl Loader<'_> {
             location: element.location().clone(),
             search_paths: element.search_paths.clone(),
             is_legacy: element.is_legacy,
+            is_literal: !node
+                .attribute("type")
+                .is_some_and(|name| name.contains('$')),
             properties: Vec::new(),
         });
         self.children(node, index, context)?;

@@ -13,6 +13,7 @@ mod element;
 mod elements;
 mod files;
 mod getters;
+mod kind;
 mod lenient;
 pub mod limits;
 mod loader;

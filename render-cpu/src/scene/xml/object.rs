@@ -4,93 +4,16 @@
 //! each object once. Querying a property marks it as used.
 
 use std::collections::HashMap;
-use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DMat4;
 
+pub use super::kind::ObjectKind;
 use super::value::{Color, Spectrum};
 use crate::scene::error::{Diagnostics, Location, SceneError, searched};
 use crate::scene::kept_files::KeptFiles;
-
-/// What an object is in a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are those of the elements.
-pub enum ObjectKind {
-    Scene,
-    Integrator,
-    Sensor,
-    Sampler,
-    Film,
-    RFilter,
-    Shape,
-    Bsdf,
-    Emitter,
-    Texture,
-    Medium,
-    Phase,
-    Volume,
-    /// `<spectrum type="...">`.
-    Spectrum,
-    /// Edits of light transport, which are Halflight's own.
-    Edit,
-    /// Elements of Mitsuba that Halflight does not support.
-    Other,
-}
-
-impl ObjectKind {
-    /// The kind for the name of an element, those of older versions included.
-    pub fn from_element(name: &str) -> Option<ObjectKind> {
-        Some(match name {
-            "scene" => ObjectKind::Scene,
-            "integrator" => ObjectKind::Integrator,
-            "sensor" | "camera" => ObjectKind::Sensor,
-            "sampler" => ObjectKind::Sampler,
-            "film" => ObjectKind::Film,
-            "rfilter" => ObjectKind::RFilter,
-            "shape" => ObjectKind::Shape,
-            "bsdf" => ObjectKind::Bsdf,
-            "emitter" | "luminaire" => ObjectKind::Emitter,
-            "texture" => ObjectKind::Texture,
-            "medium" => ObjectKind::Medium,
-            "phase" => ObjectKind::Phase,
-            "volume" => ObjectKind::Volume,
-            "spectrum" => ObjectKind::Spectrum,
-            "edit" => ObjectKind::Edit,
-            "subsurface" | "field" => ObjectKind::Other,
-            _ => return None,
-        })
-    }
-    /// The name of the element.
-    pub fn element(self) -> &'static str {
-        match self {
-            ObjectKind::Scene => "scene",
-            ObjectKind::Integrator => "integrator",
-            ObjectKind::Sensor => "sensor",
-            ObjectKind::Sampler => "sampler",
-            ObjectKind::Film => "film",
-            ObjectKind::RFilter => "rfilter",
-            ObjectKind::Shape => "shape",
-            ObjectKind::Bsdf => "bsdf",
-            ObjectKind::Emitter => "emitter",
-            ObjectKind::Texture => "texture",
-            ObjectKind::Medium => "medium",
-            ObjectKind::Phase => "phase",
-            ObjectKind::Volume => "volume",
-            ObjectKind::Spectrum => "spectrum",
-            ObjectKind::Edit => "edit",
-            ObjectKind::Other => "subsurface",
-        }
-    }
-}
-
-impl fmt::Display for ObjectKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.element())
-    }
-}
 
 /// The value of a property.
 #[derive(Clone, Debug)]
@@ -277,6 +200,8 @@ pub struct Object {
     pub location: Location,
     /// Whether its file is of a version before 2, in which some defaults are others.
     pub is_legacy: bool,
+    /// Whether the file names the plugin itself, not by a parameter.
+    pub is_literal: bool,
     pub(super) search_paths: Arc<[PathBuf]>,
     pub(super) diagnostics: Arc<Diagnostics>,
     pub(super) kept_files: Arc<KeptFiles>,

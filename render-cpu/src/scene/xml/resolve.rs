@@ -123,6 +123,7 @@ impl Resolver<'_> {
             properties,
             location: raw.location,
             is_legacy: raw.is_legacy,
+            is_literal: raw.is_literal,
             search_paths: raw.search_paths,
             diagnostics: self.diagnostics.clone(),
             kept_files: self.kept_files.clone(),

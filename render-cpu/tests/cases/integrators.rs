@@ -124,3 +124,16 @@ fn the_length_of_rays_of_occlusion_is_one_of_the_world() {
     );
     crate::assert_mean(&scene("", 100), 16, 0.005, 0.005);
 }
+
+#[test]
+fn other_names_of_an_integrator_have_its_settings() {
+    for algorithm in halflight::integrators::INTEGRATORS {
+        let settings = |name: &str| {
+            let scene = load("3.0.0", &format!(r#"<integrator type="{name}"/>"#), true);
+            format!("{:?}", scene.settings)
+        };
+        for alias in algorithm.aliases {
+            assert_eq!(settings(alias), settings(algorithm.name), "{alias}");
+        }
+    }
+}

@@ -174,6 +174,9 @@ fn properties_of_other_integrators_are_said() {
         ("direct", "emitterSamples"),
         ("ao", "shading_samples"),
         ("vcm", "photon_count"),
+        ("mcppm", "photon_count"),
+        ("bpm", "nearest"),
+        ("mept", "chains"),
         ("mlt", "chains"),
         ("path", "max_depth"),
     ] {

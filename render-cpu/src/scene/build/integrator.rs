@@ -94,7 +94,8 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
     {
         integrator_properties::warn_of_others(object)?;
     }
-    settings.kind = match integrators::find(&name) {
+    let integrator = integrators::find(&name);
+    settings.kind = match integrator {
         Some(integrator) => integrator.kind,
         None if options.integrator.is_some() => {
             return Err(SceneError::Request(format!(
@@ -112,7 +113,8 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
             integrator_kind::PATH
         }
     };
-    match name.as_str() {
+    // Other names mean the same.
+    match integrator.map_or("path", |i| i.name) {
         "mmlt" => settings.chains.technique = technique::MULTIPLEXED,
         "memlt" => with_manifold(&mut settings.chains),
         "hslt" => with_half_vectors(&mut settings.chains),

@@ -3,6 +3,7 @@
 //! All are read whatever the integrator, because a scene may be rendered by another one than its own (`--integrator`, or a parameter
 //! as its type). Where the file names the integrator, those of others are without an effect, which is said.
 
+use crate::integrators;
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 
@@ -16,11 +17,12 @@ const OWNERS: [(&[&str], &[&str]); 5] = [
             "photon_count",
             "alpha",
             "initial_radius",
+            "nearest",
             "min_radius",
             "max_radius",
             "gather_roughness",
         ],
-        &["sppm", "ppm", "appm", "vcm", "vm", "bpm"],
+        &["sppm", "mcppm", "appm", "vcm", "vm"],
     ),
     (
         &[
@@ -48,8 +50,12 @@ const OWNERS: [(&[&str], &[&str]); 5] = [
 /// The first warning, when the scene is read strictly.
 pub(super) fn warn_of_others(object: &Object) -> Result<(), SceneError> {
     let plugin = object.plugin.as_str();
+    let Some(integrator) = integrators::find(plugin) else {
+        // Another one runs instead.
+        return Ok(());
+    };
     for (names, owners) in OWNERS {
-        if owners.contains(&plugin) {
+        if owners.contains(&integrator.name) {
             continue;
         }
         for name in names.iter().filter(|name| object.has(name)) {

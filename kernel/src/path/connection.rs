@@ -227,6 +227,7 @@ impl Connector<'_> {
             s: 1,
             t,
             emitter: light.emitter,
+            blur: at.blur(),
         }
     }
 
@@ -273,6 +274,7 @@ impl Connector<'_> {
             s,
             t,
             emitter: NONE,
+            blur: least_blur(at.blur(), light.at.blur()),
         }
     }
 
@@ -281,4 +283,10 @@ impl Connector<'_> {
     pub fn allows_edges(&self, edges: u32) -> bool {
         edges <= self.rules.max_depth
     }
+}
+
+/// The blur of a connection with the given blurs at its ends: the smaller tau, which blurs more.
+#[inline]
+fn least_blur(a: f32, b: f32) -> f32 {
+    if a > 0.0 && (a < b || b == 0.0) { a } else { b }
 }

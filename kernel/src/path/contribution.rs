@@ -24,6 +24,8 @@ pub struct Contribution {
     pub t: u32,
     /// The emitter that next event estimation chose (s = 1 and t > 1), [`NONE`] otherwise.
     pub emitter: u32,
+    /// By how much its connection is regularised: tau, or the radius of the blur; zero where the model is evaluated as it is.
+    pub blur: f32,
 }
 
 impl Contribution {
@@ -40,6 +42,7 @@ impl Contribution {
         s: 0,
         t: 0,
         emitter: NONE,
+        blur: 0.0,
     };
 
     /// Whether the value is positive in any channel.

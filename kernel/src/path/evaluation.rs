@@ -190,6 +190,12 @@ impl<'a> Interaction<'a> {
         self.tau < TAU_MAX
     }
 
+    /// tau where the BSDF is evaluated below it, zero where it is evaluated as it is ([`super::Contribution::blur`]).
+    #[inline]
+    pub fn blur(&self) -> f32 {
+        if self.is_regularized() { self.tau } else { 0.0 }
+    }
+
     /// Whether some direction has a density, so that the vertex can be connected. Regularisation gives one to specular lobes.
     #[inline]
     pub fn is_connectable(&self) -> bool {

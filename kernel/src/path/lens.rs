@@ -57,6 +57,7 @@ impl Connector<'_> {
             s,
             t: 1,
             emitter: NONE,
+            blur: at.blur(),
         }
     }
 
@@ -94,6 +95,7 @@ impl Connector<'_> {
             s: 1,
             t: 1,
             emitter: NONE,
+            blur: 0.0,
         }
     }
 
@@ -164,6 +166,7 @@ impl Connector<'_> {
             s: walk.subpath.depth + 2,
             t: 0,
             emitter: NONE,
+            blur: 0.0,
         }
     }
 }

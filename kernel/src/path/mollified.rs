@@ -162,6 +162,7 @@ impl Connector<'_> {
             s: 1,
             t,
             emitter: light.emitter,
+            blur: self.regularization.radius,
         }
     }
 
@@ -214,6 +215,7 @@ impl Connector<'_> {
             s,
             t,
             emitter: NONE,
+            blur: self.regularization.radius,
         }
     }
 
@@ -249,6 +251,7 @@ impl Connector<'_> {
             s,
             t: 1,
             emitter: NONE,
+            blur: self.regularization.radius,
         }
     }
 }

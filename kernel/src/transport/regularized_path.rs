@@ -30,7 +30,7 @@ use super::connection::{SampleCounts, ShadowRay, weighted_contribution};
 use super::path::{Path, SinglePath, step};
 use super::settings::IntegratorSettings;
 use crate::bsdf::{Bsdf, BsdfSample, event, mode};
-use crate::math::{Ray, Rgb};
+use crate::math::{Ray, Rgb, luminance};
 use crate::path::Interaction;
 use crate::path::mollified::{Blur, mollified};
 use crate::path::spread::{Spread, emitter_quality};
@@ -65,7 +65,39 @@ impl Adaptive {
     };
 }
 
-/// One path whose connections are regularised; `shadows` takes their light, which counts where nothing stands in its way.
+/// How much of the light of a connection is regularised.
+#[derive(Clone, Copy, Debug)]
+pub struct RegularizedShare {
+    /// Share of its luminance.
+    pub share: f32,
+    /// tau, or the radius of the blur; zero without any.
+    pub blur: f32,
+}
+
+impl RegularizedShare {
+    /// Nothing of it.
+    const NONE: RegularizedShare = RegularizedShare {
+        share: 0.0,
+        blur: 0.0,
+    };
+
+    /// Blurred by `blur`, in which `part` of `whole` was found.
+    #[inline]
+    fn new(part: Rgb, whole: Rgb, blur: f32) -> RegularizedShare {
+        let (part, whole) = (luminance(part), luminance(whole));
+        if part > 0.0 && whole > 0.0 {
+            RegularizedShare {
+                share: (part / whole).min(1.0),
+                blur,
+            }
+        } else {
+            RegularizedShare::NONE
+        }
+    }
+}
+
+/// One path whose connections are regularised; `shadows` takes their light, which counts where nothing stands in its way, and
+/// how much of it is regularised.
 pub struct RegularizedPath<'a, T: Traverse, S, F> {
     /// The walk.
     pub single: SinglePath<'a, T, S>,
@@ -106,7 +138,7 @@ impl<'a, T: Traverse, S, F> RegularizedPath<'a, T, S, F> {
     }
 }
 
-impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F> {
+impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> RegularizedPath<'_, T, S, F> {
     fn interaction(&self) -> Interaction<'_> {
         let mut at = self.single.interaction();
         at.tau = self.tau;
@@ -133,22 +165,27 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
             let at = self.interaction();
             own = at.bsdf.sample(self.single.view.tables.data, at.wi, u1, u2);
         }
-        let mut ray = self.contribution(light, &own);
+        let (mut ray, share) = self.contribution(light, &own);
         ray.radiance = self.single.path.subpath.throughput * ray.radiance;
         if ray.is_some() {
-            (self.shadows)(&ray);
+            (self.shadows)(&ray, share);
         }
     }
 
-    fn contribution(&self, light: &DirectSample, own: &BsdfSample) -> ShadowRay {
+    fn contribution(
+        &self,
+        light: &DirectSample,
+        own: &BsdfSample,
+    ) -> (ShadowRay, RegularizedShare) {
+        let none = (ShadowRay::NONE, RegularizedShare::NONE);
         if !light.is_some() {
-            return ShadowRay::NONE;
+            return none;
         }
         let tables = &self.single.view.tables;
         let at = self.interaction();
         let wo = at.point.frame.to_local(light.direction);
         if !self.single.rules.allows(at.point, light.direction, wo.z) {
-            return ShadowRay::NONE;
+            return none;
         }
         if !at.is_regularized() || !self.has(flag::QUALITY) {
             return self.weighted(light, &at, wo, own);
@@ -158,15 +195,19 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
         let q = emitter_quality(tables, light.emitter, rho, length, light.distance);
         let share = self.regularization.share(q);
         let mut sum = Rgb::ZERO;
+        let mut part = Rgb::ZERO;
         let mut ray = ShadowRay::NONE;
         for (of, tau) in [(share, self.tau), (1.0 - share, TAU_MAX)] {
             if of > 0.0 {
-                ray = self.weighted(light, &Interaction { tau, ..at }, wo, own);
+                ray = self.weighted(light, &Interaction { tau, ..at }, wo, own).0;
                 sum += ray.radiance * of;
+                if tau < TAU_MAX {
+                    part = sum;
+                }
             }
         }
         ray.radiance = sum;
-        ray
+        (ray, RegularizedShare::new(part, sum, self.tau))
     }
 
     /// The light of a sample, weighted against the walk. A virtual merge accepts it by the sample `own` of the BSDF.
@@ -176,7 +217,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
         at: &Interaction<'_>,
         wo: Vec3,
         own: &BsdfSample,
-    ) -> ShadowRay {
+    ) -> (ShadowRay, RegularizedShare) {
         let tables = &self.single.view.tables;
         let is_merged = self.has(flag::VIRTUAL_MERGE) && at.is_regularized();
         let (mut value, pdf) = if !is_merged {
@@ -187,6 +228,10 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
         } else {
             (Rgb::ZERO, 0.0)
         };
+        let mut share = RegularizedShare {
+            share: if at.is_regularized() { 1.0 } else { 0.0 },
+            blur: at.blur(),
+        };
         let own = &self.regularization;
         if own.radius > 0.0 && light.is_delta != 0 {
             let distance = if light.distance < f32::MAX {
@@ -196,9 +241,12 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
             };
             let blur = Blur::new(own.kernel, own.radius, distance);
             let rules = &self.single.rules;
-            value += mollified(at, tables, rules, mode::RADIANCE, light.direction, blur);
+            let blurred = mollified(at, tables, rules, mode::RADIANCE, light.direction, blur);
+            value += blurred;
+            share = RegularizedShare::new(blurred, value, own.radius);
         }
-        weighted_contribution(light, at.point, SampleCounts::ONE, value, pdf)
+        let ray = weighted_contribution(light, at.point, SampleCounts::ONE, value, pdf);
+        (ray, share)
     }
 
     /// Adds the emission that the walk has met at `end`, an emitter's index and the distance to it, as a mixture of the
@@ -250,7 +298,9 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> RegularizedPath<'_, T, S, F>
     }
 }
 
-impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay)> Shading for RegularizedPath<'_, T, S, F> {
+impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Shading
+    for RegularizedPath<'_, T, S, F>
+{
     fn arrive(&mut self) {
         let last_pdf = self.single.path.last_pdf;
         let samples = self.single.path.light_samples;
@@ -390,7 +440,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
     while next != step::END {
         let mut light = Rgb::ZERO;
         let single = SinglePath::new(view, settings.rules, sampler, &mut bsdf, path);
-        let add = |ray: &ShadowRay| light += ray.unshadowed(view);
+        let add = |ray: &ShadowRay, _| light += ray.unshadowed(view);
         let mut driver = RegularizedPath::new(single, regularization, adaptive, add);
         bounce(&mut driver, shade);
         next = driver.single.next;

@@ -89,6 +89,11 @@ pub fn run_with(
             format!("the layer {aov} is of chains of whole paths (--integrator hslt)").into(),
         );
     }
+    if args.asked_layers(&scene).contains(Aov::Regularization)
+        && !scene.settings.regularization.is_some()
+    {
+        return Err("the layer regularization is of --regularize and --mollify".into());
+    }
     if args.adaptive && shape(scene.settings.kind) != Shape::Pixels {
         return Err(
             "--adaptive needs pixels that share no light: it is for path, direct and ao".into(),

@@ -39,11 +39,13 @@ pub enum Aov {
     Jumps,
     /// Number of them: where chains spend their time.
     Mutations,
+    /// Share of the radiance that regularised connections found, and the mean tau or radius with which they did.
+    Regularization,
 }
 
 impl Aov {
     /// Every output variable, in the order of the accumulators.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Albedo,
         Self::Normal,
         Self::Depth,
@@ -57,6 +59,7 @@ impl Aov {
         Self::Iterations,
         Self::Jumps,
         Self::Mutations,
+        Self::Regularization,
     ];
 
     /// The variables that Markov chains of whole paths have.
@@ -83,6 +86,7 @@ impl Aov {
             Self::Iterations => "iterations",
             Self::Jumps => "jumps",
             Self::Mutations => "mutations",
+            Self::Regularization => "regularization",
         }
     }
 
@@ -93,6 +97,7 @@ impl Aov {
             Self::Normal | Self::Position => &["X", "Y", "Z"],
             Self::Depth => &["Z"],
             Self::Uv => &["U", "V"],
+            Self::Regularization => &["share", "scale"],
             Self::Alpha
             | Self::Samples
             | Self::Bandwidth
@@ -125,6 +130,8 @@ impl Aov {
             Self::Depth | Self::Alpha => 1,
             Self::Variance | Self::Samples => 0,
             Self::Bandwidth => BANDWIDTH_NUMBERS,
+            // Luminance that is regularised, and the sum of its products with the logarithm of tau or the radius.
+            Self::Regularization => 2,
             // A sum, and the number of what it is a sum of.
             Self::Acceptance | Self::Iterations | Self::Jumps => 2,
             Self::Mutations => 1,
@@ -145,7 +152,7 @@ impl fmt::Display for Aov {
 /// A name that is no output variable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, alpha, variance, samples, bandwidth, acceptance, iterations, jumps, mutations, or all)"
+    "unknown output variable \"{0}\" (known: albedo, normal, depth, position, uv, alpha, variance, samples, bandwidth, acceptance, iterations, jumps, mutations, regularization, or all)"
 )]
 pub struct UnknownAov(pub String);
 

@@ -325,6 +325,17 @@ impl Film {
                 let [sum, number] = [0, 1].map(|i| self.aov_sums[start + i]);
                 if number > 0.0 { sum / number } else { 0.0 }
             }
+            Aov::Regularization if self.aovs.contains(aov) => {
+                let start = pixel * self.sums_per_pixel() + self.aovs.offset(aov);
+                let [sum, logarithm] = [0, 1].map(|i| self.aov_sums[start + i]);
+                let whole = luminance(statistics.mean) * f64::from(statistics.count);
+                match channel {
+                    // A filter has negative weights.
+                    0 if whole > 0.0 => (sum / whole).clamp(0.0, 1.0),
+                    1 if sum > 0.0 => (logarithm / sum).exp(),
+                    _ => 0.0,
+                }
+            }
             _ if !self.aovs.contains(aov) || statistics.count == 0 => 0.0,
             _ => {
                 self.aov_sums[pixel * self.sums_per_pixel() + self.aovs.offset(aov) + channel]

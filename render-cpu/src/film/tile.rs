@@ -66,6 +66,26 @@ impl PixelMut<'_> {
         }
     }
 
+    /// Adds how much of a sample of `radiance`, which is added by itself, is regularised, if the film keeps it: luminance, and
+    /// its product with the logarithm of tau or of the radius. It is clamped as the sample is.
+    pub fn add_regularized(&mut self, radiance: Vec3, regularized: [f32; 2]) {
+        if !self.aovs.contains(Aov::Regularization) || !radiance.is_finite() {
+            return;
+        }
+        let most = radiance.abs().max_element();
+        let scale = if most > self.clamp {
+            self.clamp / most
+        } else {
+            1.0
+        };
+        let start = self.aovs.offset(Aov::Regularization);
+        for (sum, value) in self.aov_sums[start..start + 2].iter_mut().zip(regularized) {
+            if value.is_finite() {
+                *sum += f64::from(value * scale);
+            }
+        }
+    }
+
     /// What [`Aov::Bandwidth`] keeps of the pixel, if the film has it.
     pub fn bandwidth_numbers(&mut self) -> Option<&mut [f64]> {
         let start = self.aovs.offset(Aov::Bandwidth);

@@ -7,7 +7,7 @@
 use super::lockstep_walks::{LockstepWalks, RAYS};
 use super::splat::Splat;
 use glam::{Vec2, Vec3};
-use halflight_kernel::math::Rgb;
+use halflight_kernel::math::{Rgb, luminance};
 use halflight_kernel::path::visibility::contribution_transmittance;
 use halflight_kernel::path::{Contribution, Interaction, PathVertex, Walk};
 use halflight_kernel::regularize::settings::Regularization;
@@ -20,6 +20,7 @@ use halflight_kernel::transport::bidirectional::{
 };
 use halflight_kernel::transport::photon::merging::{PassPhotons, merge};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
+use std::cell::Cell;
 
 /// The vertices of all light walks of a tile.
 #[derive(Default)]
@@ -51,6 +52,8 @@ struct Pending {
     film: Vec2,
     sample: u32,
     is_splat: bool,
+    /// See [`Contribution::blur`].
+    blur: f32,
 }
 
 /// Contributions that wait for their segments to be traced.
@@ -67,6 +70,24 @@ pub struct TileSamples {
     pub radiance: Vec<Rgb>,
     /// Splats in the order in which they were made.
     pub splats: Vec<Splat>,
+    /// What of both is regularised, where that is wanted.
+    pub regularized: Option<RegularizedSamples>,
+}
+
+/// What is regularised of the samples of a tile, in the place of colours: the luminance, its product with the logarithm of tau or
+/// of the radius, and nothing.
+#[derive(Default)]
+pub struct RegularizedSamples {
+    /// Of every pixel, by rows, times its reconstruction weight.
+    pub radiance: Vec<Rgb>,
+    /// Splats in the order in which they were made.
+    pub splats: Vec<Splat>,
+}
+
+/// The record of [`RegularizedSamples`] of light that a connection blurred by `blur` found.
+fn regularized(light: Rgb, blur: f32) -> Rgb {
+    let luminance = luminance(light);
+    Vec3::new(luminance, luminance * blur.ln(), 0.0)
 }
 
 /// A sample of a pixel: its pixel in the whole film, and the numbers of its two walks.
@@ -120,6 +141,11 @@ impl BidirectionalWorkspace {
         out.radiance.clear();
         out.radiance.resize(samples.len(), Vec3::ZERO);
         out.splats.clear();
+        if let Some(own) = &mut out.regularized {
+            own.radiance.clear();
+            own.radiance.resize(samples.len(), Vec3::ZERO);
+            own.splats.clear();
+        }
         if settings.rules.max_depth == 0 {
             return;
         }
@@ -131,8 +157,11 @@ impl BidirectionalWorkspace {
         if algorithm.has_camera_walks {
             self.trace_cameras(view, settings, &algorithm, photons, samples, out);
         }
-        for (radiance, weight) in out.radiance.iter_mut().zip(&self.weights) {
-            *radiance *= *weight;
+        let own = out.regularized.iter_mut().map(|own| &mut own.radiance);
+        for radiance in own.chain([&mut out.radiance]) {
+            for (radiance, weight) in radiance.iter_mut().zip(&self.weights) {
+                *radiance *= *weight;
+            }
         }
     }
 
@@ -191,8 +220,15 @@ impl BidirectionalWorkspace {
         out: &mut TileSamples,
     ) {
         let connector = &algorithm.connector;
+        let merged = Cell::new(Vec3::ZERO);
         let merge = |walk: &Walk, at: &Interaction<'_>| match photons {
-            Some(photons) => merge(connector, photons, walk, at),
+            Some(photons) => {
+                let found = merge(connector, photons, walk, at);
+                if at.is_regularized() {
+                    merged.set(regularized(found, at.blur()));
+                }
+                found
+            }
             None => Vec3::ZERO,
         };
         self.walks.clear();
@@ -221,6 +257,9 @@ impl BidirectionalWorkspace {
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
                 );
                 out.radiance[i] += found;
+                if let Some(own) = &mut out.regularized {
+                    own.radiance[i] += merged.take();
+                }
                 next
             });
             // Before light of the next bounce, so that sums do not depend on what else waited.
@@ -256,6 +295,7 @@ impl Shadows {
             film: contribution.film,
             sample,
             is_splat: contribution.is_splat(),
+            blur: contribution.blur,
         };
         let passes_emitters = settings.rules.hide_emitters != 0 && pending.is_splat;
         let has_masks = view.tables.info.flags & scene_flag::HAS_NULL != 0;
@@ -286,6 +326,19 @@ impl Shadows {
 
 impl TileSamples {
     fn add(&mut self, pending: &Pending) {
+        if let Some(own) = &mut self.regularized
+            && pending.blur > 0.0
+        {
+            let value = regularized(pending.value, pending.blur);
+            if !pending.is_splat {
+                own.radiance[pending.sample as usize] += value;
+            } else if value.x > 0.0 {
+                own.splats.push(Splat {
+                    film: pending.film,
+                    value,
+                });
+            }
+        }
         if pending.is_splat {
             if pending.value.max_element() > 0.0 {
                 self.splats.push(Splat {

@@ -3,7 +3,7 @@
 
 use super::lockstep_walks::RAYS;
 use halflight_kernel::bsdf::Bsdf;
-use halflight_kernel::math::Rgb;
+use halflight_kernel::math::{Rgb, luminance};
 use halflight_kernel::path::rules::step;
 use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::LaneSampler;
@@ -12,7 +12,7 @@ use halflight_kernel::scene::{HitBatch, RayBatch, SceneView, scene_flag};
 use halflight_kernel::transport::bounce::shade;
 use halflight_kernel::transport::connection::ShadowRay;
 use halflight_kernel::transport::path::{Path, SinglePath};
-use halflight_kernel::transport::regularized_path::{Adaptive, RegularizedPath};
+use halflight_kernel::transport::regularized_path::{Adaptive, RegularizedPath, RegularizedShare};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
 /// A path under way.
@@ -22,6 +22,8 @@ struct State<S> {
     sampler: S,
     regularization: Regularization,
     weight: f32,
+    /// See [`RegularizedPaths::run`].
+    regularized: [f32; 2],
     /// One of [`step`].
     next: u32,
 }
@@ -34,6 +36,7 @@ pub struct RegularizedPaths<S> {
     states: Vec<State<S>>,
     active: Vec<u32>,
     radiance: Vec<Rgb>,
+    regularized: Vec<[f32; 2]>,
     bsdf: Box<Bsdf>,
 }
 
@@ -42,9 +45,27 @@ struct Shadows {
     rays: Box<RayBatch<RAYS>>,
     hits: Box<HitBatch<RAYS>>,
     /// What each adds, and to which of the active paths.
-    lights: Vec<(u32, Rgb)>,
+    lights: Vec<(u32, Rgb, RegularizedShare)>,
     /// What a bounce adds to the active paths.
-    sums: Vec<Rgb>,
+    sums: Vec<Sum>,
+}
+
+/// Light, and how much of it is regularised ([`RegularizedPaths::run`]).
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    light: Rgb,
+    regularized: [f32; 2],
+}
+
+impl Sum {
+    fn add(&mut self, light: Rgb, share: RegularizedShare) {
+        self.light += light;
+        if share.share > 0.0 {
+            let part = share.share * luminance(light);
+            self.regularized[0] += part;
+            self.regularized[1] += part * share.blur.ln();
+        }
+    }
 }
 
 impl<S: LaneSampler> RegularizedPaths<S> {
@@ -62,6 +83,7 @@ impl<S: LaneSampler> RegularizedPaths<S> {
             states: Vec::with_capacity(RAYS),
             active: Vec::with_capacity(RAYS),
             radiance: Vec::with_capacity(RAYS),
+            regularized: Vec::with_capacity(RAYS),
             bsdf: Box::new(Bsdf::BLACK),
         }
     }
@@ -94,26 +116,30 @@ impl<S: LaneSampler> RegularizedPaths<S> {
                 sampler,
                 regularization,
                 weight: seen.weight,
+                regularized: [0.0; 2],
                 next: step::TRACE,
             });
         }
         count
     }
 
-    /// Traces the paths to their ends; returns the weighted radiance of each, in the order in which they were added, and leaves
-    /// no path.
+    /// Traces the paths to their ends; returns the weighted radiance of each, in the order in which they were added, and of what
+    /// is regularised of it the luminance and that times the logarithm of tau or of the radius. Leaves no path.
     pub fn run<T: Traverse>(
         &mut self,
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
-    ) -> &[Rgb] {
+    ) -> (&[Rgb], &[[f32; 2]]) {
         while !self.active.is_empty() {
             self.bounce(view, settings);
         }
         self.radiance.clear();
-        let weighted = |s: State<S>| s.path.radiance * s.weight;
-        self.radiance.extend(self.states.drain(..).map(weighted));
-        &self.radiance
+        self.regularized.clear();
+        for s in self.states.drain(..) {
+            self.radiance.push(s.path.radiance * s.weight);
+            self.regularized.push(s.regularized.map(|v| v * s.weight));
+        }
+        (&self.radiance, &self.regularized)
     }
 
     fn bounce<T: Traverse>(&mut self, view: &SceneView<'_, T>, settings: &IntegratorSettings) {
@@ -123,14 +149,15 @@ impl<S: LaneSampler> RegularizedPaths<S> {
         view.traverse
             .closest_hits(&self.rays, self.active.len(), &mut self.hits);
         self.shadows.sums.clear();
-        self.shadows.sums.resize(self.active.len(), Rgb::ZERO);
+        self.shadows.sums.resize(self.active.len(), Sum::default());
         let (rules, shadows) = (settings.rules, &mut self.shadows);
         for (k, &i) in self.active.iter().enumerate() {
             let state = &mut self.states[i as usize];
             let bsdf = &mut self.bsdf;
             let mut single = SinglePath::new(view, rules, &mut state.sampler, bsdf, state.path);
             single.hit = self.hits.get(k);
-            let add = |ray: &ShadowRay| shadows.push(view, k as u32, ray);
+            let add =
+                |ray: &ShadowRay, share: RegularizedShare| shadows.push(view, k as u32, ray, share);
             let mut driver =
                 RegularizedPath::new(single, state.regularization, state.adaptive, add);
             shade(&mut driver);
@@ -144,7 +171,11 @@ impl<S: LaneSampler> RegularizedPaths<S> {
         for k in 0..self.active.len() {
             let i = self.active[k];
             let state = &mut self.states[i as usize];
-            state.path.radiance += shadows.sums[k];
+            let sum = &shadows.sums[k];
+            state.path.radiance += sum.light;
+            for (to, from) in state.regularized.iter_mut().zip(sum.regularized) {
+                *to += from;
+            }
             if state.next == step::TRACE {
                 self.active[kept] = i;
                 kept += 1;
@@ -156,25 +187,31 @@ impl<S: LaneSampler> RegularizedPaths<S> {
 
 impl Shadows {
     /// Adds the light now if what lies in its way is not a matter of yes or no, later otherwise.
-    fn push<T: Traverse>(&mut self, view: &SceneView<'_, T>, path: u32, ray: &ShadowRay) {
+    fn push<T: Traverse>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        path: u32,
+        ray: &ShadowRay,
+        share: RegularizedShare,
+    ) {
         if view.tables.info.flags & scene_flag::HAS_NULL != 0 {
-            self.sums[path as usize] += ray.unshadowed(view);
+            self.sums[path as usize].add(ray.unshadowed(view), share);
             return;
         }
         if self.lights.len() == RAYS {
             self.trace(view);
         }
         self.rays.set(self.lights.len(), &ray.ray);
-        self.lights.push((path, ray.radiance));
+        self.lights.push((path, ray.radiance, share));
     }
 
     /// Adds the light that does not lie in shadow.
     fn trace<T: Traverse>(&mut self, view: &SceneView<'_, T>) {
         view.traverse
             .are_occluded(&self.rays, self.lights.len(), &mut self.hits);
-        for (k, (path, light)) in self.lights.iter().enumerate() {
+        for (k, (path, light, share)) in self.lights.iter().enumerate() {
             if !self.hits.is_hit(k) {
-                self.sums[*path as usize] += *light;
+                self.sums[*path as usize].add(*light, *share);
             }
         }
         self.lights.clear();

@@ -8,7 +8,9 @@
 //! the layer's index alone.
 
 use super::backend::PassEnd;
-use super::bidirectional_job::{BidirectionalWorkspace, TileSample, TileSamples};
+use super::bidirectional_job::{
+    BidirectionalWorkspace, RegularizedSamples, TileSample, TileSamples,
+};
 use super::options::RenderOptions;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
@@ -17,6 +19,7 @@ use super::splat::{Splat, SplatFilter};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::film::Film;
+use crate::film::aov::Aov;
 use glam::Vec3;
 use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::path::{PathExpressions, PhotonDensity};
@@ -29,7 +32,6 @@ use halflight_kernel::transport::photon::merging::{PassPhotons, merging_tracer};
 use halflight_kernel::transport::photon::progressive::{light_walks, pass_radius};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-use rayon::slice::ParallelSliceMut;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Side of the square of pixels whose samples are traced together.
@@ -71,7 +73,9 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     let idle_tracers = Idle::new();
     let filter = SplatFilter::new(&view.tables.camera);
     let idle = Mutex::new(Vec::new());
-    let mut sums = vec![[0.0; 3]; film.statistics().len()];
+    let keeps_regularized = film.aovs().contains(Aov::Regularization);
+    let images = 1 + usize::from(keeps_regularized);
+    let mut sums = vec![vec![[0.0; 3]; film.statistics().len()]; images];
     let mut done = 0;
     while done < layers {
         let count = together.min(layers - done);
@@ -119,7 +123,10 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     });
                     let tile = tiles[task % tiles.len()];
                     let mut samples = tile_samples(view, options.seed, layer, tile, &new);
-                    let mut out = TileSamples::default();
+                    let mut out = TileSamples {
+                        regularized: keeps_regularized.then(RegularizedSamples::default),
+                        ..TileSamples::default()
+                    };
                     let own = regularization(view, settings, layer);
                     workspace.run(
                         view,
@@ -269,17 +276,37 @@ pub(super) fn tile_samples<T: Traverse, S>(
     samples
 }
 
-/// What a tile gave in a layer, its splats by the bands that they reach.
+/// What a tile gave in a layer: its image, and that of what is regularised of it, where that is wanted.
 struct TaskResult {
     tile: Tile,
+    images: Vec<TileImage>,
+}
+
+/// An image of a tile, its splats by the bands that they reach.
+struct TileImage {
     radiance: Vec<Vec3>,
     bands: Vec<Vec<Splat>>,
 }
 
 impl TaskResult {
     fn new(tile: Tile, samples: TileSamples, filter: &SplatFilter, height: u32) -> TaskResult {
+        let mut images = vec![TileImage::new(
+            samples.radiance,
+            &samples.splats,
+            filter,
+            height,
+        )];
+        if let Some(own) = samples.regularized {
+            images.push(TileImage::new(own.radiance, &own.splats, filter, height));
+        }
+        TaskResult { tile, images }
+    }
+}
+
+impl TileImage {
+    fn new(radiance: Vec<Vec3>, splats: &[Splat], filter: &SplatFilter, height: u32) -> TileImage {
         let mut bands = vec![Vec::new(); height.div_ceil(BAND) as usize];
-        for splat in &samples.splats {
+        for splat in splats {
             let rows = filter.rows(splat);
             if !rows.is_empty() {
                 for band in rows.start / BAND..=(rows.end - 1) / BAND {
@@ -287,10 +314,25 @@ impl TaskResult {
                 }
             }
         }
-        TaskResult {
-            tile,
-            radiance: samples.radiance,
-            bands,
+        TileImage { radiance, bands }
+    }
+
+    /// Adds the samples of the rows from `top` on, `height` of them of `width` pixels.
+    fn add_samples(&self, tile: Tile, [top, width, height]: [u32; 3], sums: &mut [[f32; 3]]) {
+        for y in tile.y.max(top)..(tile.y + tile.height).min(top + height) {
+            let from = ((y - tile.y) * tile.width) as usize;
+            let to = ((y - top) * width + tile.x) as usize;
+            for x in 0..tile.width as usize {
+                let sum = &mut sums[to + x];
+                *sum = (Vec3::from_array(*sum) + self.radiance[from + x]).to_array();
+            }
+        }
+    }
+
+    /// Adds the splats that reach the band of rows from `top` on.
+    fn add_splats(&self, top: u32, filter: &SplatFilter, sums: &mut [[f32; 3]]) {
+        for splat in &self.bands[(top / BAND) as usize] {
+            filter.add(splat, top, sums);
         }
     }
 }
@@ -312,44 +354,47 @@ fn add_part<T: Traverse + Sync, S: LaneSampler>(
     seed: u32,
     first: u32,
     film: &mut Film,
-    sums: &mut [[f32; 3]],
+    sums: &mut [Vec<[f32; 3]>],
     filter: &SplatFilter,
     part: &Part<'_>,
     new: &(impl Fn(u32, u32, u32) -> S + Sync),
 ) {
     let needs_surface = film.aovs().needs_surface();
     let of_band = film.width() as usize * BAND as usize;
-    let bands = film.bands_mut(BAND).into_par_iter();
-    let with_sums = bands.zip(sums.par_chunks_mut(of_band));
-    with_sums.for_each(|(mut band, sums)| {
+    let bands = film.bands_mut(BAND);
+    let mut of_bands: Vec<Vec<&mut [[f32; 3]]>> = bands.iter().map(|_| Vec::new()).collect();
+    for image in sums {
+        for (own, rows) in of_bands.iter_mut().zip(image.chunks_mut(of_band)) {
+            own.push(rows);
+        }
+    }
+    let with_sums = bands.into_par_iter().zip(of_bands);
+    with_sums.for_each(|(mut band, mut sums)| {
         let (top, width, height) = (band.y(), band.width(), band.height());
         for (layer, of_layer) in part.results.chunks(part.tiles).enumerate() {
-            if part.begins {
-                sums.fill([0.0; 3]);
-            }
-            for result in of_layer {
-                let tile = result.tile;
-                for y in tile.y.max(top)..(tile.y + tile.height).min(top + height) {
-                    let from = ((y - tile.y) * tile.width) as usize;
-                    let to = ((y - top) * width + tile.x) as usize;
-                    for x in 0..tile.width as usize {
-                        let sum = &mut sums[to + x];
-                        *sum = (Vec3::from_array(*sum) + result.radiance[from + x]).to_array();
-                    }
+            for (image, sums) in sums.iter_mut().enumerate() {
+                if part.begins {
+                    sums.fill([0.0; 3]);
                 }
-            }
-            for result in of_layer {
-                for splat in &result.bands[(top / BAND) as usize] {
-                    filter.add(splat, top, sums);
+                for result in of_layer {
+                    let rows = [top, width, height];
+                    result.images[image].add_samples(result.tile, rows, sums);
+                }
+                for result in of_layer {
+                    result.images[image].add_splats(top, filter, sums);
                 }
             }
             if !part.ends {
                 continue;
             }
-            for (i, sum) in sums.iter().enumerate() {
+            for (i, sum) in sums[0].iter().enumerate() {
                 let (x, y) = (i as u32 % width, top + i as u32 / width);
                 let mut entry = band.pixel_mut(x, y);
-                entry.add_sample(Vec3::from_array(*sum));
+                let whole = Vec3::from_array(*sum);
+                entry.add_sample(whole);
+                if let Some(own) = sums.get(1) {
+                    entry.add_regularized(whole, [own[i][0], own[i][1]]);
+                }
                 if needs_surface {
                     let (pixel, index) = pixel(view, x, y);
                     let sampler = new(seed, index, first.wrapping_add(layer as u32));

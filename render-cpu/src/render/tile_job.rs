@@ -224,8 +224,13 @@ impl<T: Traverse> TileJob<'_, T> {
             parts,
             regularized,
         } = workspace;
+        let mut shares: &[[f32; 2]] = &[];
         let mut radiance = match (regularized, &self.division) {
-            (Some(paths), _) => paths.run(self.view, self.settings),
+            (Some(paths), _) => {
+                let (radiance, of_paths) = paths.run(self.view, self.settings);
+                shares = of_paths;
+                radiance
+            }
             (None, None) => wave.run(self.simd, self.view, self.settings),
             (None, Some(division)) => {
                 beside.resize(SLOTS, DividedPath::NONE);
@@ -246,6 +251,13 @@ impl<T: Traverse> TileJob<'_, T> {
             radiance = rest;
             let mut pixel = tile.pixel_mut(run.x, run.y);
             pixel.add_samples(of_run);
+            if !shares.is_empty() {
+                let (own, rest) = shares.split_at(of_run.len());
+                shares = rest;
+                for (sample, share) in of_run.iter().zip(own) {
+                    pixel.add_regularized(*sample, *share);
+                }
+            }
             if let Some(division) = &self.division {
                 let count = division.expressions.count as usize;
                 let own = &parts[done * count..(done + of_run.len()) * count];

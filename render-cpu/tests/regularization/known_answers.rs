@@ -3,7 +3,7 @@
 use crate::scenes::{mean, mollified, regularized, render_film, scene};
 
 /// A floor seen from above, a mirror beside it that stands on the plane x = 1, and a point light.
-fn floor_by_a_mirror() -> &'static str {
+pub fn floor_by_a_mirror() -> &'static str {
     r#"<sensor type="perspective"><float name="fov" value="2"/>
     <transform name="to_world"><lookat origin="0, 0, 2" target="0, 0, 0" up="0, 1, 0"/></transform>
     <film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/><rfilter type="box"/></film>
@@ -13,6 +13,12 @@ fn floor_by_a_mirror() -> &'static str {
     <shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate y="1" angle="-90"/><translate x="1"/>
     </transform><bsdf type="twosided"><bsdf type="conductor"><string name="material" value="none"/></bsdf></bsdf></shape>
     <emitter type="point"><point name="position" value="0.3, 0, 1"/><rgb name="intensity" value="1, 1, 1"/></emitter>"#
+}
+
+/// The share of [`floor_radiance`] that comes by the mirror.
+pub fn floor_share_of_mirror() -> f64 {
+    let lit = |x: f64| (x * x + 1.0).powf(-1.5);
+    lit(1.7) / (lit(0.3) + lit(1.7))
 }
 
 /// Radiance of the floor at the origin, lit by the light and by its image.
@@ -93,6 +99,11 @@ const MIRROR: &str = r#"<shape type="rectangle"><transform name="to_world"><scal
 /// Fresnel transmittance of one boundary at normal incidence.
 fn passed(eta: f64) -> f64 {
     1.0 - ((eta - 1.0) / (eta + 1.0)).powi(2)
+}
+
+/// A point light in a mirror, seen by a pinhole.
+pub fn mirror_on_axis() -> String {
+    camera(0.0, 30.0) + &light(1.0) + MIRROR
 }
 
 fn axes() -> [Axis; 4] {

@@ -1,6 +1,7 @@
 //! Regularisation in path tracing, bidirectional path tracing, and vertex connection and merging.
 
 mod known_answers;
+mod layers;
 mod no_harm;
 mod panel;
 mod scenes;

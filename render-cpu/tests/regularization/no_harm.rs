@@ -1,12 +1,9 @@
 //! Where nothing is to be regularised nothing changes, and a sample does not depend on the run that takes it.
 
 use crate::scenes::{
-    ALGORITHMS, add, ball, bits, film, mollified, regularized, render_film, room, scene,
+    ALGORITHMS, DIFFUSE, MIRROR, add, ball, bits, film, mollified, regularized, render_film, room,
+    scene,
 };
-
-const DIFFUSE: &str =
-    r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.6, 0.5, 0.4"/></bsdf>"#;
-const MIRROR: &str = r#"<bsdf type="conductor"/>"#;
 
 #[test]
 fn nothing_changes_without_shiny_materials() {

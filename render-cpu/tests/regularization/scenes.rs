@@ -37,9 +37,14 @@ pub fn mollified(mut scene: Scene, text: &str) -> Scene {
 
 /// An empty film of the scene.
 pub fn film(scene: &Scene) -> Film {
+    film_with(scene, AovSet::NONE)
+}
+
+/// The same with layers.
+pub fn film_with(scene: &Scene, layers: AovSet) -> Film {
     let camera = &scene.tables.camera;
     let [width, height] = camera.crop_size;
-    Film::new(width, height, camera.crop_offset, AovSet::NONE).unwrap()
+    Film::new(width, height, camera.crop_offset, layers).unwrap()
 }
 
 /// Brings the film to `samples` samples per pixel, of which the first has the index `first`.
@@ -81,6 +86,13 @@ pub fn mean(film: &Film) -> (f64, f64) {
     let n = f64::from(film.width() * film.height());
     (sum / n, variance.sqrt() / n)
 }
+
+/// A diffuse material.
+pub const DIFFUSE: &str =
+    r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.6, 0.5, 0.4"/></bsdf>"#;
+
+/// A mirror.
+pub const MIRROR: &str = r#"<bsdf type="conductor"/>"#;
 
 /// A pinhole of 12 by 8 pixels into the room.
 pub const CAMERA: &str = r#"<sensor type="perspective"><float name="fov" value="50"/>

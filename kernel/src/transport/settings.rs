@@ -206,6 +206,9 @@ pub struct BidirectionalSettings {
     pub only_t: u32,
     /// 1 if contributions are not weighted against those of other strategies.
     pub unweighted: u32,
+    /// Vertices of the light walks of many samples with which each camera vertex is connected
+    /// ([`crate::transport::bidirectional::SharedWalks`]); zero for all those of its own sample's light walk.
+    pub connections: u32,
 }
 
 /// Parameters of photon mapping.
@@ -256,6 +259,7 @@ impl BidirectionalSettings {
         only_s: NONE,
         only_t: NONE,
         unweighted: 0,
+        connections: 0,
     };
 }
 

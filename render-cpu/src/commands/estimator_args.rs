@@ -29,6 +29,10 @@ pub struct EstimatorArgs {
     /// Without weights, each strategy as if it were alone; with --strategies or a sheet of all of them.
     #[arg(help_heading = "Algorithm", long, requires = "shown_strategies")]
     pub unweighted: bool,
+    /// Connect each vertex of a camera walk to N vertices of the light walks of many samples, instead of to all of its own (bdpt, vcm;
+    /// layers and edited images keep to their own).
+    #[arg(help_heading = "Algorithm", long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1 << 10))]
+    pub connections: Option<u32>,
     /// Of photon mapping.
     #[command(flatten)]
     pub photons: PhotonArgs,
@@ -53,10 +57,11 @@ impl EstimatorArgs {
         self.chains.apply(scene)?;
         self.regularization.apply(scene)?;
         self.expressions.apply(scene).map_err(|e| e.to_string())?;
-        let is_used = self.heuristic.is_some() || self.strategies.is_some();
+        let is_used =
+            self.heuristic.is_some() || self.strategies.is_some() || self.connections.is_some();
         if is_used && shape(scene.settings.kind) != Shape::Splats {
             return Err(
-                "--heuristic and --strategies are for bidirectional algorithms (--integrator bdpt)"
+                "--heuristic, --strategies and --connections are for bidirectional algorithms (--integrator bdpt)"
                     .to_string(),
             );
         }
@@ -70,6 +75,9 @@ impl EstimatorArgs {
             own.only_t = t.unwrap_or(all);
         }
         own.unweighted = self.unweighted.into();
+        if let Some(connections) = self.connections {
+            own.connections = connections;
+        }
         Ok(())
     }
 }

@@ -16,7 +16,7 @@ use halflight_kernel::scene::emitter::emission::EmissionSample;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::scene::{HitBatch, NONE, RayBatch, SceneView, scene_flag};
 use halflight_kernel::transport::bidirectional::{
-    Bidirectional, ConnectedPoints, LightSubpath, VertexStore,
+    Bidirectional, ConnectedPoints, LightSubpath, SharedWalks, VertexStore,
 };
 use halflight_kernel::transport::photon::merging::{PassPhotons, merge};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
@@ -231,6 +231,14 @@ impl BidirectionalWorkspace {
             }
             None => Vec3::ZERO,
         };
+        let shared = if algorithm.connections > 0 {
+            SharedWalks {
+                vertices: self.vertices.0.len() as u32,
+                walks: samples.len() as u32,
+            }
+        } else {
+            SharedWalks::NONE
+        };
         self.walks.clear();
         self.weights.clear();
         for sample in samples.iter_mut() {
@@ -246,6 +254,7 @@ impl BidirectionalWorkspace {
                     store: &self.vertices,
                     last: self.last[i],
                     start: &self.starts[i],
+                    shared,
                 };
                 let (found, next) = algorithm.camera_bounce_merging(
                     walk,

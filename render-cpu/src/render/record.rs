@@ -107,6 +107,7 @@ fn integrator_words(scene: &Scene) -> Vec<(&'static str, String)> {
             words.extend([
                 ("light_image", flag(own.light_image)),
                 ("sample_direct", flag(own.sample_direct)),
+                ("--connections", own.connections.to_string()),
                 ("--heuristic power", flag(own.power_heuristic)),
                 ("--strategies", strategies),
                 ("--unweighted", flag(own.unweighted)),

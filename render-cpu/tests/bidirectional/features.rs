@@ -350,6 +350,13 @@ fn settings_change_nothing_but_noise() {
                 let image = Batches::render(&what, &mut scene, settings, 8);
                 results.push(compare(&what, &image, &reference));
             }
+            for connections in [1, 3] {
+                let mut settings = settings_of(&scene, integrator_kind::BIDIRECTIONAL);
+                settings.bidirectional.connections = connections;
+                let what = format!("lamp {i}, sensor {sensor}, {connections} shared");
+                let image = Batches::render(&what, &mut scene, settings, 8);
+                results.push(compare(&what, &image, &reference));
+            }
         }
     }
     report(results);

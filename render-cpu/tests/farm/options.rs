@@ -82,7 +82,14 @@ fn options_make_the_image_that_they_make_in_one_run() {
     // Options, samples per pixel, tasks.
     let cases: &[(&[&str], &str, &str)] = &[
         (
-            &["--integrator", "bdpt", "--heuristic", "balance"],
+            &[
+                "--integrator",
+                "bdpt",
+                "--heuristic",
+                "balance",
+                "--connections",
+                "2",
+            ],
             "6",
             "3",
         ),

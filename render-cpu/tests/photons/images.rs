@@ -155,12 +155,18 @@ fn mean_is_that_of_path_tracing() {
 /// With nothing to merge, vertex connection and merging is bidirectional path tracing, to the bit.
 #[test]
 fn without_a_radius_it_is_bidirectional() {
-    let connected = scene(&integrator("bdpt", &[("max_depth", 6.0)]), &room());
     let properties = [
         ("max_depth", 6.0),
         ("photon_count", 1000.0),
         ("initial_radius", 1e-12),
     ];
-    let merged = scene(&integrator("vcm", &properties), &room());
-    assert_eq!(film(&merged, 9, 0, 4), film(&connected, 9, 0, 4));
+    let mut connected = scene(&integrator("bdpt", &properties[..1]), &room());
+    let mut merged = scene(&integrator("vcm", &properties), &room());
+    // With its own light walk, and with those of many samples.
+    for connections in [0, 2] {
+        for scene in [&mut connected, &mut merged] {
+            scene.settings.bidirectional.connections = connections;
+        }
+        assert_eq!(film(&merged, 9, 0, 4), film(&connected, 9, 0, 4));
+    }
 }

@@ -115,7 +115,7 @@ layouts! {
     rules, PathRules { max_depth, rr_depth, hide_emitters, strict_normals }
     direct, DirectSettings { emitter_samples, bsdf_samples }
     occlusion, OcclusionSettings { samples, distance }
-    bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted }
+    bidirectional, BidirectionalSettings { light_image, sample_direct, power_heuristic, only_s, only_t, unweighted, connections }
     photon, PhotonSettings { photon_count, alpha, initial_radius, gather_roughness, connections, least_radius, largest_radius, nearest }
     chains, ChainSettings {
         technique, p_large, candidates, chains, mutations, direct_samples, chain_length, bidirectional_weight,

@@ -1,5 +1,6 @@
 //! The bounces of walks from both ends, and what is connected there.
 
+use super::reuse::SharedWalks;
 use crate::math::{Rgb, vec3};
 use crate::path::rules::step;
 use crate::path::{
@@ -32,6 +33,8 @@ pub struct LightSubpath<'a, V> {
     pub last: u32,
     /// Its start.
     pub start: &'a EmissionSample,
+    /// The walks of all vertices in the store, where connections go to any of them.
+    pub shared: SharedWalks,
 }
 
 /// Room for the two ends of a connection.
@@ -58,6 +61,8 @@ pub struct Bidirectional<'a> {
     pub connector: Connector<'a>,
     /// Whether there are camera walks.
     pub has_camera_walks: bool,
+    /// Connections of a camera vertex with vertices of shared light walks, zero for all of its own.
+    pub connections: u32,
 }
 
 impl<'a> Bidirectional<'a> {
@@ -88,6 +93,7 @@ impl<'a> Bidirectional<'a> {
                 regularization: Regularization::NONE,
             },
             has_camera_walks: !traces_light,
+            connections: own.connections,
         }
     }
 
@@ -260,7 +266,13 @@ impl<'a> Bidirectional<'a> {
             if lit.is_some() {
                 add.add_at(lit, &at);
             }
-            self.connect(walk, &at, &mut points.light, light, &mut add);
+            let site = &mut points.light;
+            // A cone that only few vertices lie in wants all of them.
+            if light.shared.vertices > 0 && connector.regularization.radius <= 0.0 {
+                self.connect_shared(walk, sampler, &at, site, light, &mut add);
+            } else {
+                self.connect(walk, &at, site, light, &mut add);
+            }
         }
         let h = connector.heuristic_at(at.point.position);
         let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
@@ -276,15 +288,13 @@ impl<'a> Bidirectional<'a> {
         light: &LightSubpath<'_, V>,
         add: &mut impl Contributions,
     ) {
-        let connector = &self.connector;
-        let own = &connector.regularization;
         let facing = at.facing();
         let mut index = light.last;
         while index != NONE {
             let vertex = light.store.get(index);
             index = vertex.previous;
             let edges = vertex.depth.saturating_add(walk.subpath.depth);
-            if !connector.allows_edges(edges.saturating_add(2)) {
+            if !self.connector.allows_edges(edges.saturating_add(2)) {
                 continue;
             }
             // Cheap tests first: most pairs do not see each other.
@@ -292,20 +302,61 @@ impl<'a> Bidirectional<'a> {
             if facing.dot(between) < 0.0 || vec3(vertex.facing).dot(between) > 0.0 {
                 continue;
             }
-            let direction = vertex.look_up(connector.tables, site);
-            let end = LightEnd::new(
-                &vertex,
-                site.interaction(direction).regularized(own.tau, own.flags),
-            );
-            let joined = connector.inner(&end, walk, at);
+            self.connect_to(walk, at, site, &vertex, 1.0, add);
+        }
+    }
+
+    /// Connections between where a camera walk has arrived and a few vertices of all light walks, see [`SharedWalks`].
+    fn connect_shared<S: Sampler, V: VertexStore>(
+        &self,
+        walk: &Walk,
+        sampler: &mut S,
+        at: &Interaction<'_>,
+        site: &mut ShadingPoint,
+        light: &LightSubpath<'_, V>,
+        add: &mut impl Contributions,
+    ) {
+        let connector = &self.connector;
+        let (h, most) = (connector.strategies.heuristic, connector.rules.max_depth);
+        let share = 1.0 / self.connections as f32;
+        let mut k = 0;
+        while k < self.connections {
+            let u = sampler.next_2d();
+            let (index, factor) = light.shared.choose(light.store, walk, at, h, most, u);
+            if index != NONE {
+                let vertex = light.store.get(index);
+                self.connect_to(walk, at, site, &vertex, factor * share, add);
+            }
+            k += 1;
+        }
+    }
+
+    /// The connection between where a camera walk has arrived and a vertex of a light walk, times `factor`.
+    fn connect_to(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        site: &mut ShadingPoint,
+        vertex: &PathVertex,
+        factor: f32,
+        add: &mut impl Contributions,
+    ) {
+        let connector = &self.connector;
+        let own = &connector.regularization;
+        let direction = vertex.look_up(connector.tables, site);
+        let end = LightEnd::new(
+            vertex,
+            site.interaction(direction).regularized(own.tau, own.flags),
+        );
+        let mut joined = connector.inner(&end, walk, at);
+        if joined.is_some() {
+            joined.value *= factor;
+            add.add_between(joined, &end.at, at);
+        }
+        if connector.mollifies(at) || connector.mollifies(&end.at) {
+            let joined = connector.mollified_inner(&end, walk, at);
             if joined.is_some() {
                 add.add_between(joined, &end.at, at);
-            }
-            if connector.mollifies(at) || connector.mollifies(&end.at) {
-                let joined = connector.mollified_inner(&end, walk, at);
-                if joined.is_some() {
-                    add.add_between(joined, &end.at, at);
-                }
             }
         }
     }

@@ -16,13 +16,16 @@
 //! Invariants (tests): the mean is that of path tracing; weights of all strategies of a path sum to one.
 //!
 //! - `algorithm`: the bounces of both walks and their connections;
+//! - `reuse`: connections with a few of the vertices of many light walks;
 //! - `sample`: one sample by itself;
 //! - `divided`: the same, divided by path expressions.
 
 mod algorithm;
 mod divided;
+mod reuse;
 mod sample;
 
 pub use algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
 pub use divided::{DividedPhotons, DividedSample, StateStore, counted};
+pub use reuse::SharedWalks;
 pub use sample::{Lent, Unshadowed, Watcher, sample, sample_watched};

@@ -1,6 +1,7 @@
 //! One sample by itself: both walks, ray by ray.
 
 use super::algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
+use super::reuse::SharedWalks;
 use crate::path::rules::step;
 use crate::path::visibility::contribution_transmittance;
 use crate::path::{Contribution, Contributions, Interaction, PathRules, Walk};
@@ -108,6 +109,7 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
         store: &*store,
         last,
         start: &start,
+        shared: SharedWalks::NONE,
     };
     let mut walk = Walk::from_sensor(seen);
     let mut next = step::TRACE;

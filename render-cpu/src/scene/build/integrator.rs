@@ -82,6 +82,8 @@ pub(super) fn build(root: &Object, options: &BuildOptions) -> Result<Integrator,
         }
         settings.bidirectional.light_image = object.get_bool("light_image", true)?.into();
         settings.bidirectional.sample_direct = object.get_bool("sample_direct", true)?.into();
+        settings.bidirectional.connections =
+            object.get_int_in("connections", 0, 0, 1 << 10)? as u32;
         read_photon_settings(object, &mut settings.photon)?;
         read_chains(object, &mut settings.chains)?;
         regularization::read(object, &mut settings.regularization)?;

@@ -8,10 +8,11 @@ use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 
 /// Properties, and the integrators that have them.
-const OWNERS: [(&[&str], &[&str]); 5] = [
+const OWNERS: [(&[&str], &[&str]); 6] = [
     (&["emitter_samples", "bsdf_samples"], &["direct"]),
     (&["shading_samples"], &["direct", "ao"]),
     (&["ray_length"], &["ao"]),
+    (&["connections"], &["bdpt", "vcm"]),
     (
         &[
             "photon_count",

@@ -75,3 +75,12 @@ pub fn mistaken(path: &Path, bytes: &[u8]) -> Option<String> {
         name => format!("is a web page, not a {name} file"),
     })
 }
+
+/// The format of an image, in capitals as in "PNG", if the bytes begin like one.
+pub fn image_format(bytes: &[u8]) -> Option<String> {
+    let format = image::guess_format(bytes).ok()?;
+    Some(match format {
+        image::ImageFormat::OpenExr => "OpenEXR".to_owned(),
+        other => other.extensions_str().first()?.to_uppercase(),
+    })
+}

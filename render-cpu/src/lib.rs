@@ -40,6 +40,7 @@ pub mod mesh;
 pub mod plot;
 pub mod processor;
 pub mod render;
+pub mod run_lock;
 pub mod say;
 pub mod scene;
 pub mod source_stamp;

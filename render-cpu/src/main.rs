@@ -51,7 +51,7 @@ enum Command {
 
 fn main() -> ExitCode {
     processor::exit_unless_sufficient();
-    let cli = Cli::parse_from(with_command(std::env::args_os().collect()));
+    let cli: Cli = terminal::parse(with_command(std::env::args_os().collect()));
     terminal::run(cli.verbosity, || run(cli))
 }
 

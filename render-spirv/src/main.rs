@@ -29,7 +29,7 @@ enum Command {
 
 fn main() -> ExitCode {
     processor::exit_unless_sufficient();
-    let cli = Cli::parse();
+    let cli: Cli = terminal::parse(std::env::args_os().collect());
     terminal::run(cli.verbosity, || run(cli))
 }
 

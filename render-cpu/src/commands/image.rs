@@ -259,6 +259,16 @@ fn legible(value: f64) -> f64 {
     format!("{rounded:.1e}").parse().unwrap_or(rounded)
 }
 
+/// A number of at most eleven characters.
+fn in_column(value: f64) -> String {
+    let fixed = format!("{value:.5}");
+    if fixed.len() <= 11 && (value == 0.0 || value.abs() >= 1e-4) {
+        fixed
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
 /// Prints what there is to know about the channels and the luminance.
 fn print_statistics(picture: &Picture, is_json: bool) -> Result<(), AnyError> {
     let channel = |c: usize| picture.pixels.iter().map(|p| f64::from(p[c])).collect();
@@ -295,7 +305,7 @@ fn print_statistics(picture: &Picture, is_json: bool) -> Result<(), AnyError> {
         let negative = sorted.iter().filter(|v| **v < 0.0).count();
         text.push_str(&format!("{name:<11}"));
         for value in of.iter().chain(&[mean, deviation]) {
-            text.push_str(&format!("{:>12}", format!("{value:.5}")));
+            text.push_str(&format!("{:>12}", in_column(*value)));
         }
         if not_finite + negative > 0 {
             text.push_str(&format!("  {not_finite} not finite, {negative} negative"));

@@ -18,6 +18,7 @@ use crate::render::record::{CLAMP, image_metadata};
 use crate::render::{MutationsPerPixel, RenderOptions, RunState};
 use crate::say::note;
 use crate::scene::build::Scene;
+use crate::scene::xml::refuse_image;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -28,6 +29,8 @@ const LARGE: usize = 1 << 22;
 impl RenderArgs {
     /// The name of the image file; determined before rendering, so that a bad name is reported at once.
     pub(super) fn output_path(&self) -> Result<PathBuf, String> {
+        // Before a name is made of it that may be its own.
+        refuse_image(&self.scene.scene).map_err(|error| error.to_string())?;
         let output = match &self.output {
             Some(path) => path.clone(),
             None if self.scene.scene.as_os_str() == "-" => PathBuf::from("image.exr"),

@@ -5,6 +5,7 @@ use crate::film::checkpoint::{CheckpointError, load_checkpoint};
 use crate::film::{Film, FilmError};
 use crate::render::record::{CLAMP, run_settings};
 use crate::render::{CheckpointFile, Goal, RenderOptions, RunState};
+use crate::run_lock::RunLock;
 use crate::say::note;
 use crate::scene::build::Scene;
 use std::error::Error;
@@ -35,6 +36,7 @@ impl RenderArgs {
         let Some((from, path)) = self.checkpoint_files()? else {
             return Ok((empty()?, RunState::default(), None));
         };
+        let lock = RunLock::take(&path)?;
         // Only checkpoints hold them, and the tables of a large scene take a while to read.
         let mut settings = run_settings(&self.scene.scene, scene, options, layers);
         if let Some(clamp) = self.look.clamp {
@@ -63,7 +65,8 @@ impl RenderArgs {
             }
             None => (empty()?, RunState::default()),
         };
-        let file = CheckpointFile::new(path, settings, self.checkpoint_interval, &state);
+        let file =
+            CheckpointFile::new(path, settings, self.checkpoint_interval, &state).with_lock(lock);
         Ok((film, state, Some(file)))
     }
 

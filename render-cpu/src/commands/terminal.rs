@@ -1,8 +1,9 @@
 //! What the commands of both front ends share on a terminal: verbosity, and the report of an error.
 
 use crate::say::{Notes, note};
-use clap::Args;
+use clap::{Args, Command, CommandFactory, FromArgMatches};
 use std::error::Error;
+use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 use tracing_subscriber::filter::LevelFilter;
@@ -16,6 +17,24 @@ pub struct Verbosity {
     /// Print what is done; twice for every file that is read and every pass.
     #[arg(long, short, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
+}
+
+/// Reads a command line. What follows an option may be a negative number: of one that cannot be, the option says so itself.
+pub fn parse<C: CommandFactory + FromArgMatches>(arguments: Vec<OsString>) -> C {
+    let matches = with_negative_numbers(C::command()).get_matches_from(arguments);
+    C::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+}
+
+fn with_negative_numbers(command: Command) -> Command {
+    command
+        .mut_args(|argument| {
+            let is_option = !argument.is_positional() && argument.get_action().takes_values();
+            match is_option && !argument.is_allow_hyphen_values_set() {
+                true => argument.allow_negative_numbers(true),
+                false => argument,
+            }
+        })
+        .mut_subcommands(with_negative_numbers)
 }
 
 /// Runs a command; an error becomes one line on standard error and exit code 1.

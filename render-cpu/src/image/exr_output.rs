@@ -123,6 +123,9 @@ impl LayeredImage {
 /// If a channel has another number of values than the image has pixels.
 pub fn write_exr(path: &Path, image: &LayeredImage, half: bool) -> Result<(), WriteError> {
     let size = Vec2(image.width as usize, image.height as usize);
+    if half {
+        warn_of_clipped(path, image);
+    }
     let list = image
         .channels
         .iter()
@@ -183,6 +186,26 @@ pub fn write_exr(path: &Path, image: &LayeredImage, half: bool) -> Result<(), Wr
             e => std::io::Error::other(e.to_string()),
         })
     })
+}
+
+/// Says how many values 16 bits cannot hold.
+fn warn_of_clipped(path: &Path, image: &LayeredImage) {
+    let colours = image
+        .channels
+        .iter()
+        .filter_map(|(_, values)| match values {
+            ChannelValues::Colour(values) => Some(values),
+            _ => None,
+        });
+    let is_beyond = |v: &&f32| v.abs() > f16::MAX.to_f32();
+    let clipped = colours.flatten().filter(is_beyond).count();
+    if clipped > 0 {
+        tracing::warn!(
+            "{}: {clipped} values are too large for 16 bits and are stored as {}; without --half they are kept",
+            path.display(),
+            f16::MAX
+        );
+    }
 }
 
 /// The nearest half float; what is too bright becomes the largest one rather than an infinity.

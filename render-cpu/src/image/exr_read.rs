@@ -12,6 +12,7 @@
 //! decoding runs under `catch_unwind`, in this thread, and a panic becomes [`ImageError::Malformed`].
 
 use super::{ImageError, MAX_DIMENSION, MAX_SAMPLES, believable_bytes, read_file};
+use crate::bytes::image_format;
 use exr::block::UncompressedBlock;
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::block::reader::ChunksReader;
@@ -82,11 +83,9 @@ pub fn read_exr(path: impl AsRef<Path>) -> Result<ExrImage, ImageError> {
 /// # Errors
 /// As [`read_exr`].
 pub fn read_exr_bytes(bytes: &[u8], file: &Path) -> Result<ExrImage, ImageError> {
-    if let Ok(format) = image::guess_format(bytes)
-        && format != image::ImageFormat::OpenExr
+    if let Some(name) = image_format(bytes)
+        && name != "OpenEXR"
     {
-        let name = format.extensions_str().first().copied();
-        let name = name.unwrap_or_default().to_uppercase();
         let what = format!("is no OpenEXR file, but of the format {name}");
         return Err(ImageError::malformed(file, what));
     }

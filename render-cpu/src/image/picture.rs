@@ -3,8 +3,10 @@
 use super::exr_read::{ExrImage, read_exr_bytes};
 use super::window::Window;
 use super::{ImageError, Texels, read_bitmap, read_file};
+use crate::film::aov::Aov;
 use crate::scene::color::srgb_to_linear;
 use std::path::Path;
+use std::str::FromStr;
 
 /// An image or a crop of one; rows from top to bottom.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,6 +109,11 @@ impl Picture {
         layer: Option<&str>,
         file: &Path,
     ) -> Result<Picture, PictureError> {
+        // By the names of `--aov` as well.
+        let layer = layer.map(|name| match Aov::from_str(name) {
+            Ok(aov) => aov.channel().unwrap_or(name),
+            Err(_) => name,
+        });
         let prefix = layer.map_or(String::new(), |layer| format!("{layer}."));
         let three = CHANNELS.iter().find_map(|names| {
             let find = |name: &str| image.channel(&format!("{prefix}{name}"));

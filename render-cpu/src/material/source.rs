@@ -5,9 +5,9 @@
 //! found.
 
 use super::examples::EXAMPLES;
-use crate::bytes::read_file;
-use crate::scene::error::suggestion;
+use crate::scene::error::{SceneError, suggestion};
 use crate::scene::ior;
+use crate::scene::xml::read_repaired;
 use std::path::{Path, PathBuf};
 
 /// The longest scene file that is looked through.
@@ -47,6 +47,9 @@ pub enum SourceError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// The file is no text, or an image.
+    #[error("{0}")]
+    Text(#[from] SceneError),
     /// The file is no XML.
     #[error("{}: {source}", file.display())]
     Xml {
@@ -134,13 +137,7 @@ fn measured(path: &Path, plugin: &str) -> Result<Source, SourceError> {
 
 /// A BSDF of a scene file: the one with the id, or the first.
 fn scene_bsdf(path: &Path, id: Option<&str>) -> Result<Source, SourceError> {
-    let io = |source| SourceError::Io {
-        file: path.to_owned(),
-        source,
-    };
-    let bytes = read_file(path, MAX_SCENE_BYTES).map_err(io)?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| io(std::io::Error::new(std::io::ErrorKind::InvalidData, e)))?;
+    let text = read_repaired(path, MAX_SCENE_BYTES)?;
     let document = roxmltree::Document::parse(&text).map_err(|source| SourceError::Xml {
         file: path.to_owned(),
         source,

@@ -21,6 +21,7 @@ pub mod mtl;
 mod mtl_map;
 pub mod obj;
 mod obj_lines;
+mod obj_words;
 mod part;
 pub mod ply;
 mod ply_attributes;
@@ -78,6 +79,8 @@ pub struct Mesh {
     pub face_attributes: Vec<Attribute>,
     /// Names of materials in the file.
     pub materials: MaterialNames,
+    /// Image files that the file names for its texture coordinates (`.ply` only).
+    pub texture_files: Vec<String>,
     /// The file demands face normals (`.serialized` only).
     pub face_normals: bool,
     /// Angle in radians beyond which edges are sharp, if the scene gives one; see [`Mesh::split_at_creases`].

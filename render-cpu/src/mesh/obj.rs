@@ -1,8 +1,8 @@
 //! Wavefront OBJ meshes.
 //!
 //! Read are `v` (with colours, if six numbers follow), `vt`, `vn`, `f` with every form of index, negative ones
-//! included, and the names of `usemtl` and `mtllib`; polygons are triangulated. Groups and smoothing groups are ignored; lines,
-//! points and curved surfaces are left out with a warning. The whole file is one mesh ([`Mesh::part`] splits it by
+//! included, and the names of `usemtl` and `mtllib`; polygons are triangulated. Groups and smoothing groups are ignored, but where one shape of a file is wanted;
+//! lines, points and curved surfaces are left out with a warning. The whole file is one mesh ([`Mesh::part`] splits it by
 //! material). Each distinct triple of position, texture coordinate and normal becomes one vertex, numbered
 //! by first use, as in Mitsuba 3. Colours become the attribute `vertex_color`, which Mitsuba does not read.
 //!
@@ -19,7 +19,8 @@
 
 use super::colors::{self, Bytes};
 use super::obj_lines::Lines;
-use super::text::{number, plain};
+use super::obj_words::{index, numbers, show};
+use super::text::plain;
 use super::triangulate::Triangulator;
 use super::{Attribute, FileLocation, MaterialNames, Mesh, MeshError, read_file};
 use std::collections::HashMap;
@@ -39,14 +40,53 @@ pub fn load(path: impl AsRef<Path>, flip_tex_coords: bool) -> Result<Mesh, MeshE
     read(&read_file(path)?, flip_tex_coords, path)
 }
 
+/// Reads one of the shapes of a file; see [`read_shape`].
+///
+/// # Errors
+/// When the file cannot be read, and as [`read`].
+pub fn load_shape(
+    path: impl AsRef<Path>,
+    flip_tex_coords: bool,
+    shape: Shape,
+) -> Result<Mesh, MeshError> {
+    let path = path.as_ref();
+    read_shape(&read_file(path)?, flip_tex_coords, shape, path)
+}
+
+/// Which faces of a file are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// All.
+    #[default]
+    All,
+    /// Those of one shape, counted from zero. A new one begins, as in Mitsuba 0.6, with the first face after a line `g` or `usemtl`.
+    Numbered(u32),
+}
+
 /// Reads an OBJ file from memory. `flip_tex_coords` replaces v by 1 - v, as the format's images start at the bottom;
 /// `file` is for messages only.
 ///
 /// # Errors
 /// When a line cannot be understood (with its number), and as [`Mesh::validate`].
 pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, MeshError> {
+    read_shape(bytes, flip_tex_coords, Shape::All, file)
+}
+
+/// Reads one of the shapes of an OBJ file in memory, as [`read`] does all. There is a warning if there are not that many.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_shape(
+    bytes: &[u8],
+    flip_tex_coords: bool,
+    shape: Shape,
+    file: &Path,
+) -> Result<Mesh, MeshError> {
     let bytes = plain(bytes);
-    let mut parser = Parser::default();
+    let mut parser = Parser {
+        wanted: shape,
+        ..Parser::default()
+    };
     if let Err(error) = parser.lines(&bytes, flip_tex_coords, file) {
         if !parser.refers_ahead {
             return Err(error);
@@ -63,6 +103,7 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
             uvs: tables.uvs,
             normals: tables.normals,
             is_complete: true,
+            wanted: shape,
             ..Parser::default()
         };
         parser.lines(&bytes, flip_tex_coords, file)?;
@@ -74,7 +115,15 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
             "there is no vertex and no face in it; is it an OBJ file?",
         ));
     }
+    let count = parser.shape + u32::from(parser.has_faces);
     let mut mesh = parser.finish();
+    if let Shape::Numbered(index) = shape
+        && index >= count
+    {
+        mesh.warnings.push(format!(
+            "there is no shape number {index} in it; there are {count}, from 0 on"
+        ));
+    }
     mesh.validate(file)?;
     Ok(mesh)
 }
@@ -86,6 +135,12 @@ struct Parser {
     is_complete: bool,
     /// A first pass, which reads elements only.
     skips_faces: bool,
+    /// Faces of other shapes are passed over.
+    wanted: Shape,
+    /// The number of the shape of the current line.
+    shape: u32,
+    /// Whether that shape has a face above the current line.
+    has_faces: bool,
     /// Some face refers to an element further down.
     refers_ahead: bool,
     /// Numbers of positions, texture coordinates and normals above the current line.
@@ -177,6 +232,10 @@ impl Parser {
                 }
             }
             Some(b"f" | b"fo") if !self.skips_faces => {
+                self.has_faces = true;
+                if self.wanted != Shape::All && self.wanted != Shape::Numbered(self.shape) {
+                    return Ok(());
+                }
                 self.corners.clear();
                 let mut is_whole = true;
                 for word in words {
@@ -191,7 +250,9 @@ impl Parser {
                     self.broken_faces += 1;
                 }
             }
+            Some(b"g") => self.end_shape(),
             Some(b"usemtl") => {
+                self.end_shape();
                 let name = line.trim_ascii_start()[b"usemtl".len()..].trim_ascii();
                 self.use_material(&String::from_utf8_lossy(name));
             }
@@ -204,6 +265,12 @@ impl Parser {
             _ => {}
         }
         Ok(())
+    }
+
+    /// The next face is one of another shape.
+    fn end_shape(&mut self) {
+        self.shape += u32::from(self.has_faces);
+        self.has_faces = false;
     }
 
     /// Sets the material of the faces that follow.
@@ -362,30 +429,4 @@ impl Parser {
         let look_up = |triple: &[u32; 3]| table.get(triple[k] as usize).copied().unwrap_or(absent);
         self.vertices.iter().map(look_up).collect()
     }
-}
-
-/// The index of a corner: a whole number, which some programs write with a fraction of zero.
-fn index(word: &[u8]) -> Option<i64> {
-    let text = std::str::from_utf8(word).ok()?;
-    let whole = |x: &f64| x.fract() == 0.0 && x.abs() < 1e15;
-    let fraction = || text.parse().ok().filter(whole).map(|x| x as i64);
-    text.parse().ok().or_else(fraction)
-}
-
-/// The first `N` numbers of a line, and how many there are.
-fn numbers<'a, const N: usize>(
-    words: impl Iterator<Item = &'a [u8]>,
-) -> Result<([f32; N], usize), String> {
-    let mut numbers = [0.0; N];
-    let mut count = 0;
-    for (slot, word) in numbers.iter_mut().zip(words) {
-        *slot = number(word).ok_or_else(|| format!("\"{}\" is not a number", show(word)))?;
-        count += 1;
-    }
-    Ok((numbers, count))
-}
-
-/// A word for a message: printable and not too long.
-fn show(word: &[u8]) -> String {
-    word[..word.len().min(40)].escape_ascii().to_string()
 }

@@ -45,6 +45,7 @@ impl Mesh {
                     .collect(),
                 ..MaterialNames::default()
             },
+            texture_files: self.texture_files.clone(),
             face_normals: self.face_normals,
             max_smooth_angle: self.max_smooth_angle,
             warnings: Vec::new(),

@@ -47,7 +47,10 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
     let bytes = &text[..];
     let header = Header::read(bytes, file)?;
     let mut values = Values::after(&header, bytes);
-    let mut mesh = Mesh::default();
+    let mut mesh = Mesh {
+        texture_files: header.texture_files.clone(),
+        ..Mesh::default()
+    };
     let place = |name: &str| header.elements.iter().position(|e| e.name == name);
     // Faces before their vertices wait for a second pass.
     let is_backwards = place("face").is_some_and(|face| place("vertex").is_some_and(|v| face < v));

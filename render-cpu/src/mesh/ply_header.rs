@@ -98,6 +98,8 @@ impl Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// Files of textures, which programs name in comments.
+    pub(super) texture_files: Vec<String>,
     /// Offset of the first byte after the header.
     pub(super) end: usize,
     /// Lines of the header.
@@ -108,6 +110,7 @@ impl Header {
     pub(super) fn read(bytes: &[u8], file: &Path) -> Result<Header, MeshError> {
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
+        let mut texture_files = Vec::new();
         let mut end = 0;
         let mut number = 0;
         // Programs of old Macintoshes end lines with a carriage return alone.
@@ -136,6 +139,7 @@ impl Header {
             }
             end += length + 1;
             let text = String::from_utf8_lossy(line);
+            texture_files.extend(texture_file(&text));
             let mut words = text.split_ascii_whitespace();
             let keyword = words.next().unwrap_or("");
             let words: Vec<&str> = match keyword {
@@ -201,6 +205,7 @@ impl Header {
                     return Ok(Header {
                         encoding,
                         elements,
+                        texture_files,
                         end,
                         lines: number + 1,
                     });
@@ -210,4 +215,12 @@ impl Header {
             number += 1;
         }
     }
+}
+
+/// The file that a comment such as `comment TextureFile wood.png` names.
+fn texture_file(line: &str) -> Option<String> {
+    let comment = line.strip_prefix("comment")?.trim_start();
+    let (word, name) = comment.split_once([' ', '\t'])?;
+    (word.eq_ignore_ascii_case("TextureFile") && !name.trim().is_empty())
+        .then(|| name.trim().to_owned())
 }

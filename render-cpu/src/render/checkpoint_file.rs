@@ -3,6 +3,7 @@
 use super::options::RunState;
 use crate::film::Film;
 use crate::film::checkpoint::{Progress, Settings, save_checkpoint};
+use crate::run_lock::RunLock;
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -16,6 +17,8 @@ pub struct CheckpointFile {
     interval: Duration,
     /// Passes of the state that the file holds.
     passes: u32,
+    /// Keeps other runs from the file.
+    _lock: Option<RunLock>,
 }
 
 impl CheckpointFile {
@@ -32,6 +35,15 @@ impl CheckpointFile {
             saved: Instant::now(),
             interval,
             passes: state.passes,
+            _lock: None,
+        }
+    }
+
+    /// The same, with a lock that is held as long.
+    pub fn with_lock(self, lock: Option<RunLock>) -> CheckpointFile {
+        CheckpointFile {
+            _lock: lock,
+            ..self
         }
     }
 

@@ -14,7 +14,7 @@ fn grey8(value: u8) -> DynamicImage {
     image::GrayImage::from_pixel(2, 2, image::Luma([value])).into()
 }
 
-fn exr(rgba: [f32; 4]) -> Vec<u8> {
+pub fn exr(rgba: [f32; 4]) -> Vec<u8> {
     use exr::prelude::{Image, SpecificChannels, WritableImage};
     let channels = SpecificChannels::rgba(move |_| (rgba[0], rgba[1], rgba[2], rgba[3]));
     let mut bytes = Cursor::new(Vec::new());

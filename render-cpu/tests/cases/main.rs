@@ -14,6 +14,7 @@ mod mesh_files;
 mod meshes;
 mod properties;
 mod scalars;
+mod texture_values;
 mod versions;
 mod xml;
 

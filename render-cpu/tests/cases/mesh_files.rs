@@ -158,3 +158,95 @@ fn ply_files_as_programs_write_them() {
         [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 1.0], [0.5, 0.5]]
     );
 }
+
+#[test]
+fn one_shape_of_an_obj_file() {
+    // As Mitsuba 0.6 counts: a line of a group or a material begins a shape, once there are faces.
+    let many = format!(
+        "g first\nusemtl a\n{CUBE}{BOTTOM}o same\nf 1 2 6\ng second\ng third\nusemtl b\n{TOP}usemtl a\nf 1 2 3\n"
+    );
+    let of = |faces: &str| format!("{CUBE}{faces}");
+    let ahead = format!("{BOTTOM}g b\n{TOP}{CUBE}");
+    let files = Files::new(&[
+        ("many.obj", many.as_bytes()),
+        ("0.obj", of(&format!("{BOTTOM}f 1 2 6\n")).as_bytes()),
+        ("1.obj", of(TOP).as_bytes()),
+        ("2.obj", of("f 1 2 3\n").as_bytes()),
+        ("ahead.obj", ahead.as_bytes()),
+        ("all.obj", of(&format!("{BOTTOM}{TOP}")).as_bytes()),
+    ]);
+    let grey = r#"<bsdf type="diffuse"/>"#;
+    let chosen =
+        |index: i32| format!(r#"{grey}{FLAT}<integer name="shapeIndex" value="{index}"/>"#);
+    for index in 0..3 {
+        assert_eq!(
+            files.clean("0.6.0", &shape("obj", "many.obj", &chosen(index))),
+            files.clean(
+                "0.6.0",
+                &shape("obj", &format!("{index}.obj"), &format!("{grey}{FLAT}"))
+            ),
+            "{index}"
+        );
+    }
+    let second = shape("obj", "1.obj", &format!("{grey}{FLAT}"));
+    assert_eq!(
+        files.clean("0.6.0", &shape("obj", "ahead.obj", &chosen(1))),
+        files.clean("0.6.0", &second)
+    );
+    let whole = shape("obj", "all.obj", &format!("{grey}{FLAT}"));
+    for properties in [
+        chosen(-1),
+        format!(r#"{}<boolean name="collapse" value="true"/>"#, chosen(1)),
+    ] {
+        assert_eq!(
+            files.clean("0.6.0", &shape("obj", "ahead.obj", &properties)),
+            files.clean("0.6.0", &whole)
+        );
+    }
+    let scene = files
+        .scene("0.6.0", &shape("obj", "many.obj", &chosen(3)))
+        .expect("a scene");
+    let warnings: Vec<String> = scene.warnings.iter().map(ToString::to_string).collect();
+    assert!(
+        warnings[0].contains("no shape number 3 in it; there are 3, from 0 on")
+            && warnings[1].contains("left out"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn textures_that_ply_files_name_are_said() {
+    let file = |comment: &str| {
+        ply(
+            "property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_indices\n",
+            "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n",
+        )
+        .iter()
+        .map(|b| *b as char)
+        .collect::<String>()
+        .replace("format ascii 1.0\n", &format!("format ascii 1.0\n{comment}\n"))
+    };
+    let (meshlab, other) = (
+        file("comment TextureFile old wood.png"),
+        file("comment made by texturefile"),
+    );
+    let files = Files::new(&[
+        ("meshlab.ply", meshlab.as_bytes()),
+        (
+            "lower.ply",
+            file("comment texturefile\twood.png").as_bytes(),
+        ),
+        ("other.ply", other.as_bytes()),
+    ]);
+    let plain = files.clean("3.0.0", &shape("ply", "other.ply", ""));
+    for (name, texture) in [("meshlab.ply", "old wood.png"), ("lower.ply", "wood.png")] {
+        assert_eq!(
+            files.warned("3.0.0", &shape("ply", name, ""), texture),
+            plain
+        );
+    }
+    files.clean(
+        "3.0.0",
+        &shape("ply", "meshlab.ply", r#"<bsdf type="diffuse"/>"#),
+    );
+}

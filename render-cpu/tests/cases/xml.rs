@@ -92,8 +92,16 @@ fn encodings_that_are_wrong_are_named() {
     same(&unmarked);
     let unmarked: Vec<u8> = german.encode_utf16().flat_map(u16::to_be_bytes).collect();
     same(&unmarked);
-    let error = Files::new(&[]).load(b"\x76\x2f\x31\x01\x02\0\0\0\xff", false);
-    assert!(error.unwrap_err().contains("is no text"));
+    for (bytes, part) in [
+        (
+            &b"\x76\x2f\x31\x01\x02\0\0\0\xff"[..],
+            "an image of the format OpenEXR",
+        ),
+        (b"\x01\x02\0\0\0\xff", "is no text"),
+    ] {
+        let error = Files::new(&[]).load(bytes, false).unwrap_err();
+        assert!(error.contains(part), "{error}");
+    }
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod room;
 #[path = "../common/skip.rs"]
 mod skip;
 mod viewers;
+mod wrong_values;
 
 use room::room;
 use std::path::{Path, PathBuf};

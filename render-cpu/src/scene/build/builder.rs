@@ -1,12 +1,13 @@
 //! The state of building a scene: the tables so far, and which objects they already hold.
 
 use super::reading::Reading;
+use super::texture::Field;
 use crate::accel::GroupRange;
 use crate::expression::SceneNames;
 use crate::scene::tables::SceneTables;
 use crate::scene::xml::{Object, Value};
 use halflight_kernel::scene::{Camera, NONE, SceneInfo};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Where a table of rough transmittance lies in the data.
@@ -31,7 +32,9 @@ pub(super) struct Builder {
     /// The material of shapes that name none: plain, of emitters, and of boundaries of media.
     pub default_materials: [Option<u32>; 3],
     /// Textures by object index.
-    pub textures: HashMap<usize, u32>,
+    pub textures: HashMap<(usize, Field), u32>,
+    /// Textures whose range has been looked at.
+    pub checked_textures: HashSet<u32>,
     /// Bitmaps by file and how it is read: first word, width, height, format.
     pub bitmaps: HashMap<(PathBuf, Reading), [u32; 4]>,
     /// Shape groups by object index.
@@ -81,6 +84,7 @@ impl Builder {
             materials: HashMap::new(),
             default_materials: [None; 3],
             textures: HashMap::new(),
+            checked_textures: HashSet::new(),
             bitmaps: HashMap::new(),
             groups: HashMap::new(),
             transmittance_tables: HashMap::new(),

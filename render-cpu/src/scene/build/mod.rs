@@ -3,6 +3,7 @@
 //! One pass over the tree: each plugin of each kind has one function here that reads its properties, fills records, and
 //! reports unsupported input by an error or a warning. Objects that several others refer to are built once.
 
+mod bitmap;
 mod builder;
 mod capabilities;
 mod chain_settings;

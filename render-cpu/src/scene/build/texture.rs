@@ -1,16 +1,13 @@
 //! Textures and the parameters that take them.
 
+use super::bitmap::{filter, wrap};
 use super::builder::Builder;
 use super::reading::Reading;
-use crate::image::{Bitmap, Texels};
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{ColorSource, FloatSource, Object, ObjectKind};
 use glam::DMat4;
-use halflight_kernel::scene::{
-    NONE, RgbParameter, ScalarParameter, Texture, filter_mode, texel_format, texture_kind,
-    wrap_mode,
-};
+use halflight_kernel::scene::{NONE, RgbParameter, ScalarParameter, Texture, texture_kind};
 use std::sync::Arc;
 
 /// The attributes of the mesh that a material is built for.
@@ -24,6 +21,25 @@ pub(super) struct MeshAttributes {
     pub first_triangle: u32,
     /// Mean length of the edges of its triangles.
     pub mean_edge: f32,
+}
+
+/// What the values of a texture may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Field {
+    /// From 0 to 1: reflectances, and numbers.
+    Share,
+    /// As large as they like: light, indices of refraction.
+    Unbounded,
+}
+
+impl Field {
+    /// How the colours of patterns are read.
+    fn color_use(self) -> ColorUse {
+        match self {
+            Field::Share => ColorUse::Reflectance,
+            Field::Unbounded => ColorUse::Unbounded,
+        }
+    }
 }
 
 const IDENTITY_UV: [f32; 6] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -56,7 +72,13 @@ impl Builder {
                 Ok(RgbParameter::constant(value))
             }
             ColorSource::Texture(texture) => {
-                Ok(RgbParameter::textured(self.texture(&texture, mesh)?))
+                let field = match usage {
+                    ColorUse::Reflectance => Field::Share,
+                    ColorUse::Emission | ColorUse::Unbounded => Field::Unbounded,
+                };
+                let index = self.texture(&texture, field, mesh)?;
+                self.check_range(&texture, index, field)?;
+                Ok(RgbParameter::textured(index))
             }
         }
     }
@@ -73,7 +95,7 @@ impl Builder {
             FloatSource::Constant(value) => Ok(ScalarParameter::constant(value as f32)),
             FloatSource::Texture(texture) => Ok(ScalarParameter {
                 value: 1.0,
-                texture: self.texture(&texture, mesh)?,
+                texture: self.texture(&texture, Field::Share, mesh)?,
             }),
         }
     }
@@ -82,16 +104,18 @@ impl Builder {
     pub(super) fn texture(
         &mut self,
         object: &Arc<Object>,
+        field: Field,
         mesh: Option<&MeshAttributes>,
     ) -> Result<u32, SceneError> {
-        if let Some(&index) = self.textures.get(&object.index) {
+        let key = (object.index, field);
+        if let Some(&index) = self.textures.get(&key) {
             return Ok(index);
         }
-        let (texture, shared) = self.build_texture(object, mesh)?;
+        let (texture, shared) = self.build_texture(object, field, mesh)?;
         let index = self.tables.textures.len() as u32;
         self.tables.textures.push(texture);
         if shared {
-            self.textures.insert(object.index, index);
+            self.textures.insert(key, index);
         }
         Ok(index)
     }
@@ -100,6 +124,7 @@ impl Builder {
     fn build_texture(
         &mut self,
         object: &Arc<Object>,
+        field: Field,
         mesh: Option<&MeshAttributes>,
     ) -> Result<(Texture, bool), SceneError> {
         let mut texture = Texture {
@@ -110,6 +135,7 @@ impl Builder {
             color1: RgbParameter::constant([0.2; 3]),
         };
         let mut shared = true;
+        let usage = field.color_use();
         match object.plugin.as_str() {
             "bitmap" => {
                 let path = object.require_file("filename")?;
@@ -120,23 +146,19 @@ impl Builder {
                 texture.color0 = RgbParameter::constant([1.0; 3]);
             }
             "checkerboard" => {
-                texture.color0 =
-                    self.rgb_parameter(object, "color0", ColorUse::Reflectance, [0.4; 3], mesh)?;
-                texture.color1 =
-                    self.rgb_parameter(object, "color1", ColorUse::Reflectance, [0.2; 3], mesh)?;
+                texture.color0 = self.rgb_parameter(object, "color0", usage, [0.4; 3], mesh)?;
+                texture.color1 = self.rgb_parameter(object, "color1", usage, [0.2; 3], mesh)?;
             }
             "gridtexture" => {
                 texture.kind = texture_kind::GRID;
                 let width = object.get_float_in("line_width", 0.01, 0.0, 0.5)? as f32;
                 texture.data[0] = width.to_bits();
-                let usage = ColorUse::Reflectance;
                 texture.color0 = RgbParameter::constant(object.get_rgb("color0", usage, [0.2; 3])?);
                 texture.color1 = RgbParameter::constant(object.get_rgb("color1", usage, [0.4; 3])?);
             }
             "wireframe" => {
                 texture.kind = texture_kind::WIREFRAME;
                 texture.to_uv = IDENTITY_UV;
-                let usage = ColorUse::Reflectance;
                 texture.color0 =
                     RgbParameter::constant(object.get_rgb("interior_color", usage, [0.5; 3])?);
                 texture.color1 =
@@ -220,7 +242,7 @@ impl Builder {
                 texture.to_uv = IDENTITY_UV;
                 texture.color0 = RgbParameter {
                     value: factor.value,
-                    texture: self.texture(nested, mesh)?,
+                    texture: self.texture(nested, field, mesh)?,
                 };
             }
             other => {
@@ -231,58 +253,6 @@ impl Builder {
             }
         }
         Ok((texture, shared))
-    }
-
-    /// Texels of a file: first word, width, height and format.
-    pub(super) fn bitmap(
-        &mut self,
-        object: &Object,
-        path: &std::path::Path,
-        reading: Reading,
-    ) -> Result<[u32; 4], SceneError> {
-        let key = (path.to_path_buf(), reading);
-        if let Some(&known) = self.bitmaps.get(&key) {
-            return Ok(known);
-        }
-        let bitmap = object
-            .kept_files()
-            .get(path, reading.variant(), || reading.load(path))
-            .map_err(|e| object.property_error("filename", e.to_string()))?;
-        for warning in &bitmap.warnings {
-            object.property_warn("filename", format!("{}: {warning}", path.display()))?;
-        }
-        let entry = self.push_bitmap(object, &bitmap)?;
-        self.bitmaps.insert(key, entry);
-        Ok(entry)
-    }
-
-    pub(super) fn push_bitmap(
-        &mut self,
-        object: &Object,
-        bitmap: &Bitmap,
-    ) -> Result<[u32; 4], SceneError> {
-        let first = u32::try_from(self.tables.texels.len())
-            .map_err(|_| object.error("all textures together exceed 16 GiB"))?;
-        let format = match &bitmap.texels {
-            Texels::Rgba8 { data, srgb } => {
-                self.tables.texels.extend(
-                    data.chunks_exact(4)
-                        .map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]])),
-                );
-                if *srgb {
-                    texel_format::RGBA8_SRGB
-                } else {
-                    texel_format::RGBA8_LINEAR
-                }
-            }
-            Texels::Rgb32F(data) => {
-                self.tables
-                    .texels
-                    .extend(data.iter().map(|value| value.to_bits()));
-                texel_format::RGB32F
-            }
-        };
-        Ok([first, bitmap.width, bitmap.height, format])
     }
 }
 
@@ -325,57 +295,6 @@ fn uv_transform(object: &Object) -> Result<[f32; 6], SceneError> {
         to_uv[3 * row + 2] += offset[row];
     }
     Ok(to_uv.map(|x| x as f32))
-}
-
-fn filter(object: &Object) -> Result<u32, SceneError> {
-    // Properties of the mip maps of 0.6, of which the finest level is used, and how Mitsuba 3 stores texels.
-    for name in ["max_anisotropy", "cache", "coordinates", "format", "accel"] {
-        object.get(name);
-    }
-    Ok(match object.get_string("filter_type", "bilinear")? {
-        "nearest" => filter_mode::NEAREST,
-        // Mitsuba 0.6 has mip maps; without ray differentials their finest level is this.
-        "bilinear" | "trilinear" | "ewa" => filter_mode::BILINEAR,
-        other => {
-            return Err(object.property_error(
-                "filter_type",
-                format!("\"{other}\" is neither \"bilinear\" nor \"nearest\""),
-            ));
-        }
-    })
-}
-
-/// What lies outside of the image: `wrap_mode`, or a mode for each axis as 0.6 has it.
-fn wrap(object: &Object) -> Result<u32, SceneError> {
-    let both = object.get_string("wrap_mode", "repeat")?;
-    let (u, v) = (
-        object.get_string("wrap_mode_u", both)?,
-        object.get_string("wrap_mode_v", both)?,
-    );
-    if u != v {
-        object.property_warn(
-            "wrap_mode_v",
-            format!("one mode for both axes is supported; \"{u}\" is used for u and v"),
-        )?;
-    }
-    wrap_mode_of(object, u)
-}
-
-fn wrap_mode_of(object: &Object, name: &str) -> Result<u32, SceneError> {
-    Ok(match name {
-        "repeat" => wrap_mode::REPEAT,
-        "mirror" => wrap_mode::MIRROR,
-        "clamp" => wrap_mode::CLAMP,
-        // In some versions of 0.6 by their colours.
-        "zero" | "black" => wrap_mode::ZERO,
-        "one" | "white" => wrap_mode::ONE,
-        other => {
-            return Err(object.property_error(
-                "wrap_mode",
-                format!("\"{other}\" is none of repeat, mirror, clamp, zero, one"),
-            ));
-        }
-    })
 }
 
 /// A parameter without a texture; used where the kernel takes only constants.

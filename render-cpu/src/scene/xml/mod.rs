@@ -27,7 +27,7 @@ pub mod unused;
 mod upgrade;
 mod value;
 
-pub(crate) use source::{decode, find, read_text};
+pub(crate) use source::{decode, find, read_repaired, read_text, refuse_image};
 
 pub use edit::NamedValue;
 pub use getters::{ColorSource, FloatSource};

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 use super::lenient::repair;
-use crate::bytes::mistaken;
+use crate::bytes::{image_format, mistaken};
 use crate::scene::error::{Location, SceneError};
 
 /// The text of a file and where its lines start.
@@ -106,6 +106,37 @@ pub fn prepended(search_paths: &[PathBuf], folder: PathBuf) -> Arc<[PathBuf]> {
         .collect()
 }
 
+/// What is said of an image in the place of a scene.
+fn is_an_image(format: &str) -> String {
+    format!("is no scene file, but an image of the format {format}")
+}
+
+/// Whether a file in the place of a scene is an image, which is an error in the words of [`Source::read`]. Files that cannot be read
+/// are none.
+pub fn refuse_image(path: &Path) -> Result<(), SceneError> {
+    /// More than what tells formats.
+    const START: u64 = 64;
+    let mut start = Vec::new();
+    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
+    let read = |file: File| file.take(START).read_to_end(&mut start);
+    if !is_file || File::open(path).and_then(read).is_err() {
+        return Ok(());
+    }
+    match image_format(&start) {
+        Some(format) => Err(SceneError::file(path, is_an_image(&format))),
+        None => Ok(()),
+    }
+}
+
+/// The text of a scene file of at most `limit` bytes, repaired to well-formed XML where that is possible.
+///
+/// # Errors
+/// If it cannot be read, is no text, or an image.
+pub fn read_repaired(path: &Path, limit: u64) -> Result<String, SceneError> {
+    let mut budget = limit;
+    Ok(Source::read(path, &mut budget)?.text)
+}
+
 /// Reads a text file of at most `limit` bytes.
 pub fn read_text(path: &Path, limit: u64) -> Result<String, SceneError> {
     Ok(decode(path, read_bytes(path, limit)?)?.0)
@@ -128,6 +159,9 @@ fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, SceneError> {
     }
     if let Some(what) = mistaken(path, &bytes) {
         return Err(SceneError::file(path, what));
+    }
+    if let Some(format) = image_format(&bytes) {
+        return Err(SceneError::file(path, is_an_image(&format)));
     }
     Ok(bytes)
 }

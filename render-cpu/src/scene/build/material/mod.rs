@@ -15,7 +15,7 @@ mod principled_thin;
 mod scattering_layer;
 
 use super::builder::{Builder, name_last};
-use super::texture::MeshAttributes;
+use super::texture::{Field, MeshAttributes};
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind, Value};
 use context::{Coats, Context, PendingLobe, nested_bsdfs};
@@ -228,7 +228,7 @@ impl Builder {
                     } else {
                         frame_map_kind::BUMP
                     },
-                    texture: self.texture(&texture, context.mesh)?,
+                    texture: self.texture(&texture, Field::Share, context.mesh)?,
                     scale: object.get_float("scale", 1.0)? as f32,
                     parent: context.frame,
                 };

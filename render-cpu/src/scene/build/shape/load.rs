@@ -1,8 +1,9 @@
 //! Mesh files of shapes.
 
+use crate::mesh::obj::Shape;
 use crate::mesh::{self, Mesh};
 use crate::scene::error::SceneError;
-use crate::scene::xml::Object;
+use crate::scene::xml::{Object, ObjectKind};
 use std::sync::Arc;
 
 /// The mesh that a shape plugin names, in its own space.
@@ -15,7 +16,13 @@ pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
             // The groups of a file are always one shape, as with `collapse` of Mitsuba 0.6; the image is the same.
             object.get("collapse");
             let flip = flip(mesh::obj::DEFAULT_FLIP_TEX_COORDS)?;
-            files.get(&path, flip.into(), || mesh::obj::load(&path, flip))
+            let index = object.get_int_in("shape_index", -1, -1, i64::from(u32::MAX))?;
+            let shape = match u32::try_from(index) {
+                Ok(index) if !object.get_bool("collapse", false)? => Shape::Numbered(index),
+                _ => Shape::All,
+            };
+            let variant = u64::from(flip) | ((index + 1) as u64) << 1;
+            files.get(&path, variant, || mesh::obj::load_shape(&path, flip, shape))
         }
         "ply" => {
             let flip = flip(mesh::ply::DEFAULT_FLIP_TEX_COORDS)?;
@@ -30,6 +37,16 @@ pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     let mut mesh = Arc::unwrap_or_clone(mesh);
     for warning in mesh.warnings.drain(..) {
         object.property_warn("filename", format!("{}: {warning}", path.display()))?;
+    }
+    if !mesh.texture_files.is_empty() && object.single_child_of(ObjectKind::Bsdf)?.is_none() {
+        object.property_warn(
+            "filename",
+            format!(
+                "{}: its texture is not read; a BSDF with a bitmap of {} shows it",
+                path.display(),
+                mesh.texture_files.join(", ")
+            ),
+        )?;
     }
     // Mitsuba 0.6 takes the colours of PLY files as encoded unless told otherwise.
     if object.plugin == "ply" && object.is_legacy && object.get_bool("srgb", true)? {

@@ -51,6 +51,14 @@ impl Contribution {
         self.value.max_element() > 0.0
     }
 
+    /// A share of it.
+    #[inline]
+    #[must_use]
+    pub fn times(mut self, share: f32) -> Contribution {
+        self.value *= share;
+        self
+    }
+
     /// Whether it belongs to the pixels around [`Contribution::film`], not to that of the camera walk.
     #[inline]
     pub fn is_splat(&self) -> bool {

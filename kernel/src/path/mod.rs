@@ -8,6 +8,8 @@
 //! subpath started, or is a splat. Walks always sample the BSDF itself.
 //!
 //! - [`discrete_event`], [`mollified`]: discrete directions of a material, and the same blurred;
+//! - `path_node`, `whole_weights`: vertices of subpaths whose regularisation depends on the whole path, and weights of its
+//!   strategies;
 //! - [`spread`]: what the heuristics of regularisation know of a camera walk;
 //! - [`specular_chain`]: which paths nothing samples, and where they are connected all the same;
 //! - [`remainder`]: what path tracing leaves to chains;
@@ -38,6 +40,9 @@ pub mod evaluation;
 pub mod expression;
 pub mod lens;
 pub mod mollified;
+// Vertices with what heuristics know of them are for hosts only: a shader has no room for all of a path.
+#[cfg(not(target_arch = "spirv"))]
+pub mod path_node;
 pub mod path_states;
 pub mod photon_density;
 pub mod remainder;
@@ -71,6 +76,8 @@ pub mod whole;
 mod whole_shares;
 #[cfg(not(target_arch = "spirv"))]
 pub mod whole_vertex;
+#[cfg(not(target_arch = "spirv"))]
+pub mod whole_weights;
 
 pub use arrival::ShadingPoint;
 pub use connection::Connector;

@@ -199,7 +199,12 @@ impl Walk {
 
     /// Density per perpendicular area of the first surface point of a camera walk.
     #[inline]
-    fn pdf_first(&self, tables: &Tables<'_>, point: &SurfacePoint, distance: f32) -> f32 {
+    pub(crate) fn pdf_first(
+        &self,
+        tables: &Tables<'_>,
+        point: &SurfacePoint,
+        distance: f32,
+    ) -> f32 {
         #[cfg(not(target_arch = "spirv"))]
         if tables.camera.kind == camera_kind::IRRADIANCE_METER {
             return irradiance_meter::pdf_perpendicular_area(self.initial, distance)

@@ -66,6 +66,12 @@ impl RegularizationSettings {
         fade: 1.0,
     };
 
+    /// Whether the tau of a vertex, or whether a path is regularised, depends on the path.
+    #[inline]
+    pub fn is_adaptive(&self) -> bool {
+        self.tau < TAU_MAX && self.flags & (flag::QUALITY | flag::DIFFUSION) != 0
+    }
+
     /// Whether anything is.
     #[inline]
     pub fn is_some(&self) -> bool {
@@ -104,13 +110,14 @@ impl Regularization {
         }
     }
 
-    /// tau at a vertex where the walk from the sensor has the given spread.
+    /// tau at a vertex where the walk from the sensor has the given spread, never less than without a heuristic.
     #[inline]
     pub fn threshold(&self, diffusion: &PathDiffusion) -> f32 {
         if self.flags & flag::DIFFUSION == 0 {
             self.tau
         } else {
-            diffusion_threshold(self.tau, diffusion)
+            // A deviation above one is that of all directions.
+            diffusion_threshold(self.tau, diffusion).max(self.tau)
         }
     }
 }

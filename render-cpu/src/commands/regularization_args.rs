@@ -9,8 +9,8 @@ use halflight_kernel::transport::settings::RegularizationSettings;
 #[derive(Args, Clone, Debug)]
 pub struct RegularizationArgs {
     /// Blur shiny materials where paths are connected, less with every sample, so that light behind them is found: tau=T is the
-    /// largest value of a BSDF in the first sample (10 to 100, higher is sharper and noisier); constant keeps it; weights=plain
-    /// is for comparison; quality, fade=F, diffusion, virtual and lights=all are for path; tau=inf switches it off.
+    /// largest value of a BSDF in the first sample (10 to 100, higher is sharper and noisier); constant keeps it; quality,
+    /// fade=F and diffusion leave alone what needs no blur; virtual and lights=all are for path; weights=plain is for comparison; tau=inf switches it off.
     #[arg(help_heading = "Algorithm", long, value_name = "tau=T,..", value_parser = parse_regularize, conflicts_with = "mollify")]
     pub regularize: Option<RegularizationSettings>,
     /// Blur specular surfaces where nothing else finds the light, less with every sample: r0=R is the radius in the first sample,
@@ -28,6 +28,10 @@ impl RegularizationArgs {
         let Some(asked) = self.regularize.or(self.mollify) else {
             return Ok(());
         };
+        if asked.is_some() && !scene.edits.is_empty() {
+            let reason = "edits turn paths as they are, not those that regularisation has spread";
+            return Err(reason.to_string());
+        }
         scene.settings.regularization = asked;
         match refusal(&scene.settings) {
             Some(reason) => Err(reason),

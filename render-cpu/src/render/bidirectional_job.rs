@@ -85,7 +85,7 @@ pub struct RegularizedSamples {
 }
 
 /// The record of [`RegularizedSamples`] of light that a connection blurred by `blur` found.
-fn regularized(light: Rgb, blur: f32) -> Rgb {
+pub(super) fn regularized(light: Rgb, blur: f32) -> Rgb {
     let luminance = luminance(light);
     Vec3::new(luminance, luminance * blur.ln(), 0.0)
 }

@@ -124,12 +124,14 @@ impl Backend for CpuBackend<'_> {
         }
         let edits = self.scene.edits.view();
         let is_shared = matches!(shape(settings.kind), Shape::Splats | Shape::Passes);
-        let follows_paths = division.is_some() || edits.is_some();
+        let is_adaptive = is_shared && settings.regularization.is_adaptive();
+        let follows_paths = division.is_some() || edits.is_some() || is_adaptive;
         if is_shared && follows_paths && counts.is_none() {
             let pilots = &self.pilots;
             let followed = Followed {
                 division: division.as_ref(),
                 edits: edits.as_ref(),
+                is_adaptive,
             };
             return Ok(if is_sobol {
                 let new = SobolSampler::new;
@@ -186,6 +188,7 @@ impl Backend for CpuBackend<'_> {
                 let followed = Followed {
                     division: division.as_ref(),
                     edits: edits.as_ref(),
+                    is_adaptive: false,
                 };
                 render_groups(&view, settings, followed, options, film, per_pixel, stop)
             }

@@ -1,22 +1,24 @@
-//! The driver of algorithms with light walks, photon mapping among them, for images that path expressions divide: layers of samples, as in `splatting`, each
-//! with an image for every part.
+//! The driver of algorithms with light walks, photon mapping among them, for images whose paths are followed one by one: those that
+//! path expressions divide, those whose light is edited, and those that are regularised as each path needs it. Layers of samples, as
+//! in `splatting`, each with an image for every part.
 //!
 //! Samples are taken one by one, because what is divided follows each of its walks. Samples and splats are added in the order
 //! of rows and samples, so that the sums depend on the layer's index alone.
 
 use super::backend::PassEnd;
-use super::bidirectional_job::Vertices;
+use super::bidirectional_job::{Vertices, regularized};
 use super::first_radii::FirstRadii;
 use super::options::RenderOptions;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
 use super::pilot::{PilotDensity, Pilots};
 use super::splat::{Splat, SplatFilter};
-use super::splatting::{Tile, pixel, tile_samples, trace_photons};
+use super::splatting::{Tile, pixel, regularization, tile_samples, trace_photons};
 use super::stop::Stop;
 use super::tile_job::surface_sample;
 use crate::expression::PathParts;
 use crate::film::Film;
+use crate::film::aov::Aov;
 use glam::Vec3;
 use halflight_kernel::math::Rgb;
 use halflight_kernel::path::retarget_states::Edits;
@@ -25,6 +27,9 @@ use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::camera::CameraSample;
 use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::bidirectional::adaptive::{
+    Adaptive, AdaptivePhotons, AdaptiveRoom,
+};
 use halflight_kernel::transport::bidirectional::{
     Bidirectional, DividedPhotons, DividedSample, StateStore, Unshadowed, Watcher, counted,
     sample_watched,
@@ -70,6 +75,8 @@ pub(super) struct Followed<'a> {
     pub division: Option<&'a Division<'a>>,
     /// The edits of its light transport.
     pub edits: Option<&'a Edits<'a>>,
+    /// Whether its regularisation depends on whole paths.
+    pub is_adaptive: bool,
 }
 
 /// The states along a light walk.
@@ -149,10 +156,22 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                 photons: photons.photons,
                 states: sorted.edit_states(),
             });
+        let nodes = photons
+            .as_ref()
+            .zip(sorted.as_ref())
+            .map(|(photons, sorted)| AdaptivePhotons {
+                photons: photons.photons,
+                nodes: sorted.nodes(),
+            });
         let mut algorithm = Bidirectional::new(&view.tables, settings);
         if merges {
             algorithm = algorithm.merging(radius, emitted, density);
         }
+        let adaptive = followed.is_adaptive.then(|| {
+            let own = regularization(view, settings, layer);
+            Adaptive::new(&algorithm.regularized(own))
+        });
+        let keeps_regularized = film.aovs().contains(Aov::Regularization);
         let found: Option<Vec<Found>> = (0..height.div_ceil(ROWS))
             .into_par_iter()
             .map(|band| {
@@ -171,6 +190,17 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                     first.of_tile(tile).map(of_pass).collect()
                 });
                 stop.took(samples.len());
+                if let Some(adaptive) = &adaptive {
+                    let photons = nodes.as_ref();
+                    let keeps = keeps_regularized;
+                    return Some(sample_adaptive(
+                        view,
+                        adaptive,
+                        photons,
+                        keeps,
+                        &mut samples,
+                    ));
+                }
                 Some(sample_rows(
                     view,
                     settings,
@@ -233,6 +263,7 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
                 tracer: Progressive::new(&view.tables, settings).tracer(),
                 expressions,
                 edits: None,
+                adaptive: None,
                 emitted: light_walks(&view.tables, settings),
                 seed: options.seed,
                 index: layer,
@@ -342,6 +373,47 @@ fn sample_rows<T: Traverse, S: LaneSampler>(
     found
 }
 
+/// Takes the samples of whole rows, regularised as each path needs it; what of them is regularised is a second image where that is
+/// wanted.
+fn sample_adaptive<T: Traverse, S: LaneSampler>(
+    view: &SceneView<'_, T>,
+    adaptive: &Adaptive<'_>,
+    photons: Option<&AdaptivePhotons<'_>>,
+    keeps_regularized: bool,
+    samples: &mut [super::bidirectional_job::TileSample<S>],
+) -> Found {
+    let images = 1 + usize::from(keeps_regularized);
+    let mut found = Found {
+        radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
+        splats: vec![Vec::new(); images],
+    };
+    let mut room = Box::new(AdaptiveRoom::new());
+    for (i, sample) in samples.iter_mut().enumerate() {
+        let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
+        let numbers = (&mut sample.light, &mut sample.camera);
+        adaptive.sample(view, photons, numbers, &seen, &mut room, |contribution| {
+            for image in 0..images {
+                let value = if image == 0 {
+                    contribution.value
+                } else if contribution.blur > 0.0 {
+                    regularized(contribution.value, contribution.blur)
+                } else {
+                    continue;
+                };
+                if !contribution.is_splat() {
+                    found.radiance[image][i] += value * seen.weight;
+                } else if value.x.max(value.y).max(value.z) > 0.0 {
+                    found.splats[image].push(Splat {
+                        film: contribution.film,
+                        value,
+                    });
+                }
+            }
+        });
+    }
+    found
+}
+
 /// Takes one sample, with edits if there are any.
 fn follow<T: Traverse, S: LaneSampler>(
     view: &SceneView<'_, T>,
@@ -373,6 +445,7 @@ fn add_layer<T: Traverse + Sync, S: LaneSampler>(
     new: &(impl Fn(u32, u32, u32) -> S + Sync),
 ) {
     let needs_surface = film.aovs().needs_surface();
+    let film_has_parts = !film.parts().is_empty();
     let bands = film.bands_mut(ROWS).into_par_iter().zip(found);
     bands.for_each(|(mut band, own)| {
         let (top, width) = (band.y(), band.width());
@@ -397,7 +470,11 @@ fn add_layer<T: Traverse + Sync, S: LaneSampler>(
             }
             let mut entry = band.pixel_mut(x, y);
             entry.add_sample(whole);
-            entry.add_parts(whole, &parts);
+            if !film_has_parts && let [own] = parts[..] {
+                entry.add_regularized(whole, [own.x, own.y]);
+            } else {
+                entry.add_parts(whole, &parts);
+            }
             if needs_surface {
                 let (pixel, index) = pixel(view, x, y);
                 entry.add_aovs(&surface_sample(view, new(seed, index, layer), pixel));

@@ -76,6 +76,7 @@ impl FirstRadii {
             tracer: algorithm.tracer(),
             expressions: None,
             edits: None,
+            adaptive: None,
             emitted,
             seed,
             index: 0,

@@ -104,6 +104,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 tracer: algorithm.tracer(),
                 expressions: None,
                 edits: None,
+                adaptive: None,
                 emitted,
                 seed: self.seed,
                 index: self.index,

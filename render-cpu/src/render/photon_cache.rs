@@ -9,7 +9,10 @@
 
 use glam::Vec3;
 use halflight_kernel::path::PathStates;
+use halflight_kernel::path::path_node::PathNode;
 use halflight_kernel::path::retarget_states::EditStates;
+use halflight_kernel::scene::NONE;
+use halflight_kernel::transport::bidirectional::adaptive::NodeStore;
 use halflight_kernel::transport::photon::cache::{LEVELS, Photon, PhotonCache, PhotonGrid};
 use halflight_kernel::transport::photon::divided::DividedStore;
 use halflight_kernel::transport::photon::metropolis::PhotonPath;
@@ -45,7 +48,9 @@ pub struct PhotonList {
     pub states: Vec<PathStates>,
     /// The same where edits turn light, each but once among neighbours.
     pub edit_states: Vec<EditStates>,
-    /// Which of those the next photon names.
+    /// Vertices of their walks, where regularisation depends on whole paths.
+    pub nodes: Vec<PathNode>,
+    /// Which of the states of edits the next photon names.
     edited: u32,
 }
 
@@ -54,13 +59,26 @@ const NEIGHBOURS: usize = 16;
 
 impl PhotonStore for PhotonList {
     fn push(&mut self, position: Vec3, photon: &Photon) {
-        let beside = if self.edit_states.is_empty() {
+        let beside = if !self.nodes.is_empty() {
+            self.nodes.len() as u32 - 1
+        } else if self.edit_states.is_empty() {
             self.states.len().saturating_sub(1) as u32
         } else {
             self.edited
         };
         self.positions.push(position.to_array());
         self.photons.push(Photon { beside, ..*photon });
+    }
+}
+
+impl NodeStore for PhotonList {
+    fn push_node(&mut self, node: &PathNode) -> u32 {
+        self.nodes.push(*node);
+        self.nodes.len() as u32 - 1
+    }
+
+    fn node_mut(&mut self, index: u32) -> Option<&mut PathNode> {
+        self.nodes.get_mut(index as usize)
     }
 }
 
@@ -126,6 +144,7 @@ pub struct SortedPhotons {
     photons: Vec<Photon>,
     states: Vec<PathStates>,
     edit_states: Vec<EditStates>,
+    nodes: Vec<PathNode>,
 }
 
 /// A piece of the photons, sorted by their leading bits.
@@ -174,13 +193,15 @@ impl SortedPhotons {
                 .flat_map(|list| &list.edit_states)
                 .copied()
                 .collect(),
+            nodes: nodes_of(lists),
         };
         let mut first = 0;
         let first_states: Vec<u32> = lists
             .iter()
             .map(|list| {
                 let own = first;
-                first += list.states.len().max(list.edit_states.len()) as u32;
+                let states = list.states.len().max(list.edit_states.len());
+                first += states.max(list.nodes.len()) as u32;
                 own
             })
             .collect();
@@ -242,6 +263,11 @@ impl SortedPhotons {
         &self.edit_states
     }
 
+    /// Vertices of their walks, where regularisation depends on whole paths; each has the index of the one before.
+    pub fn nodes(&self) -> &[PathNode] {
+        &self.nodes
+    }
+
     /// Bytes that it takes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.starts.as_slice())
@@ -250,7 +276,24 @@ impl SortedPhotons {
             + size_of_val(self.photons.as_slice())
             + size_of_val(self.states.as_slice())
             + size_of_val(self.edit_states.as_slice())
+            + size_of_val(self.nodes.as_slice())
     }
+}
+
+/// Vertices of the walks of lists, one after the other.
+fn nodes_of(lists: &[PhotonList]) -> Vec<PathNode> {
+    let mut nodes = Vec::with_capacity(lists.iter().map(|list| list.nodes.len()).sum());
+    for list in lists {
+        let first = nodes.len() as u32;
+        nodes.extend(list.nodes.iter().map(|node| {
+            let mut node = *node;
+            if node.vertex.previous != NONE {
+                node.vertex.previous += first;
+            }
+            node
+        }));
+    }
+    nodes
 }
 
 /// Corners of the box around the photons of a list.

@@ -10,9 +10,11 @@ use halflight_kernel::path::retarget_states::{EditStates, Edits};
 use halflight_kernel::path::{
     Contribution, Interaction, PathExpressions, PathStates, ShadingPoint, Walk,
 };
+use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::LaneSampler;
-use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::scene::{NONE, SceneView};
+use halflight_kernel::transport::bidirectional::adaptive::photon_bounce;
 use halflight_kernel::transport::photon::adaptive::{self, AdaptiveRadii};
 use halflight_kernel::transport::photon::divided::divided_light_bounce;
 use halflight_kernel::transport::photon::merging::PassPhotons;
@@ -111,6 +113,40 @@ impl PhotonWorkspace {
                         &mut list,
                     ),
                 });
+        }
+        list
+    }
+
+    /// The same with the vertices of their walks, for the regularisation `own`, which depends on whole paths.
+    pub fn trace_nodes<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        tracer: &PhotonTracer<'_>,
+        own: &Regularization,
+        samplers: &mut [S],
+    ) -> PhotonList {
+        let mut list = PhotonList::default();
+        let mut last = vec![NONE; samplers.len()];
+        self.walks.clear();
+        for sampler in samplers.iter_mut() {
+            let start = tracer.emit(sampler);
+            self.walks.push(Walk::from_emitter(&start), start.is_some());
+        }
+        while !self.walks.is_done() {
+            let site = &mut *self.site;
+            self.walks.bounce(view, |i, walk, hit| {
+                let sampler = &mut samplers[i];
+                photon_bounce(
+                    tracer,
+                    own,
+                    walk,
+                    &mut last[i],
+                    sampler,
+                    hit,
+                    site,
+                    &mut list,
+                )
+            });
         }
         list
     }

@@ -5,6 +5,7 @@ use super::photon_job::{PhotonWorkspace, WALKS};
 use super::stop::Stop;
 use halflight_kernel::path::PathExpressions;
 use halflight_kernel::path::retarget_states::Edits;
+use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{LaneSampler, mix};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
@@ -45,6 +46,8 @@ pub(super) struct PhotonTask<'a, T: Traverse> {
     pub expressions: Option<PathExpressions<'a>>,
     /// The edits of its light transport, if there are any.
     pub edits: Option<Edits<'a>>,
+    /// The regularisation of the pass, where it depends on whole paths.
+    pub adaptive: Option<Regularization>,
     /// Light walks.
     pub emitted: u32,
     /// Seed of the run.
@@ -77,6 +80,9 @@ impl<T: Traverse + Sync> PhotonTask<'_, T> {
                     let expressions = self.expressions.as_ref();
                     let edits = self.edits.as_ref();
                     let tracer = &self.tracer;
+                    if let Some(own) = &self.adaptive {
+                        return workspace.trace_nodes(self.view, tracer, own, &mut samplers);
+                    }
                     workspace.trace_photons(self.view, tracer, expressions, edits, &mut samplers)
                 }))
             })

@@ -87,6 +87,7 @@ impl PilotDensity {
             tracer: merging_tracer(&algorithm.connector),
             expressions: None,
             edits: None,
+            adaptive: None,
             emitted,
             seed: seed ^ PILOT_STREAM,
             index: 0,

@@ -170,7 +170,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
 }
 
 /// The regularisation of a layer: that of the sample with its index.
-fn regularization<T: Traverse>(
+pub(super) fn regularization<T: Traverse>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
     layer: u32,
@@ -193,14 +193,19 @@ pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
 ) -> Option<SortedPhotons> {
     let emitted = light_walks(&view.tables, settings);
     let radius = pass_radius(&view.tables, settings, layer);
-    let algorithm = Bidirectional::new(&view.tables, settings)
-        .merging(radius, emitted, density)
-        .regularized(regularization(view, settings, layer));
+    let own = regularization(view, settings, layer);
+    let adaptive = settings.regularization.is_adaptive().then_some(own);
+    let mut algorithm =
+        Bidirectional::new(&view.tables, settings).merging(radius, emitted, density);
+    if adaptive.is_none() {
+        algorithm = algorithm.regularized(own);
+    }
     let photons = PhotonTask {
         view,
         tracer: merging_tracer(&algorithm.connector),
         expressions,
         edits,
+        adaptive,
         emitted,
         seed: options.seed,
         index: layer,

@@ -43,6 +43,7 @@ fn the_image_does_not_know_of_the_layer() {
         let plain = scene(name, &room(DIFFUSE, &ball(MIRROR)));
         for scene in [
             regularized(plain.clone(), "tau=20"),
+            regularized(plain.clone(), "tau=20,fade=0.2,diffusion"),
             mollified(plain.clone(), "r0=5%"),
         ] {
             let expected = render_film(&scene, 3);

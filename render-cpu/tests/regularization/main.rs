@@ -6,3 +6,4 @@ mod no_harm;
 mod panel;
 mod scenes;
 mod weights;
+mod whole_paths;

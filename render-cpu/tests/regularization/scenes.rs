@@ -15,9 +15,14 @@ pub const ALGORITHMS: [&str; 3] = ["path", "bdpt", "vcm"];
 
 /// A scene of the given XML, without the outermost element, for an algorithm.
 pub fn scene(integrator: &str, content: &str) -> Scene {
+    let photons = if integrator == "vcm" {
+        r#"<integer name="photon_count" value="500"/>"#
+    } else {
+        ""
+    };
     let text = format!(
-        r#"<scene version="3.0.0"><integrator type="{integrator}"><integer name="max_depth" value="6"/>
-        <integer name="photon_count" value="500"/></integrator>{content}</scene>"#
+        r#"<scene version="3.0.0"><integrator type="{integrator}"><integer name="max_depth" value="6"/>{photons}</integrator>
+        {content}</scene>"#
     );
     let parsed = parse_scene_from_str(&text, Path::new("test.xml"), &[], true).expect("a scene");
     build_scene(&parsed, &BuildOptions::default()).expect("tables")

@@ -27,9 +27,6 @@ fn weights_by_regularised_densities_are_unbiased_with_plain_values() {
     for (name, samples) in [("path", 96), ("bdpt", 48), ("vcm", 32)] {
         let plain = shiny_room(name);
         for options in ["tau=30,constant", "tau=30,quality,diffusion,fade=0.3"] {
-            if name != "path" && options.contains("quality") {
-                continue;
-            }
             let mut weighted = regularized(plain.clone(), options);
             weighted.settings.regularization.flags |= flag::PLAIN_VALUES;
             let mut differences = Vec::new();

@@ -18,8 +18,14 @@
 //! - `algorithm`: the bounces of both walks and their connections;
 //! - `reuse`: connections with a few of the vertices of many light walks;
 //! - `sample`: one sample by itself;
-//! - `divided`: the same, divided by path expressions.
+//! - `divided`: the same, divided by path expressions;
+//! - `adaptive`, `adaptive_strategies`: the same, regularised as each path needs it.
 
+// Hosts only: both subpaths are kept.
+#[cfg(not(target_arch = "spirv"))]
+pub mod adaptive;
+#[cfg(not(target_arch = "spirv"))]
+mod adaptive_strategies;
 mod algorithm;
 mod divided;
 mod reuse;

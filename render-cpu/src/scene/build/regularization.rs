@@ -23,7 +23,7 @@ fn can_be_regularized(settings: &IntegratorSettings) -> bool {
 /// Why an algorithm cannot be regularised as its settings ask, in one sentence.
 pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
     let own = &settings.regularization;
-    let by_walk = flag::QUALITY | flag::DIFFUSION | flag::ALL_LIGHTS | flag::VIRTUAL_MERGE;
+    let of_path = flag::ALL_LIGHTS | flag::VIRTUAL_MERGE;
     if !own.is_some() {
         None
     } else if !can_be_regularized(settings) {
@@ -31,8 +31,8 @@ pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
             "regularize and mollify are for algorithms that connect paths: {}",
             regularized_names()
         ))
-    } else if own.flags & by_walk != 0 && settings.kind != integrator_kind::PATH {
-        Some("quality, diffusion, virtual and lights=all are for path".to_string())
+    } else if own.flags & of_path != 0 && settings.kind != integrator_kind::PATH {
+        Some("virtual and lights=all are for path".to_string())
     } else {
         None
     }

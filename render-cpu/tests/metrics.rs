@@ -5,7 +5,9 @@ use halflight::compare::metrics::cielab::{cie76, delta_e, lab};
 use halflight::compare::metrics::flip::{hdr_flip, ldr_flip, mean};
 use halflight::compare::metrics::mse::mse;
 use halflight::compare::metrics::psnr::psnr;
-use halflight::compare::metrics::relative_mse::relative_mse;
+use halflight::compare::metrics::relative_mse::{
+    relative_mse, relative_variance, trimmed_relative_mse,
+};
 use halflight::compare::metrics::residual_rms::residual_rms;
 use halflight::compare::metrics::ssim::ssim;
 use halflight::film::luminance;
@@ -32,6 +34,21 @@ fn closed_forms_of_constant_images() {
     let (x, y) = (show(a.pixels[0]), show(b.pixels[0]));
     let expected = (2.0 * x * y + 1e-4) / (x * x + y * y + 1e-4);
     assert!((ssim(&a, &b).unwrap() - expected).abs() < 1e-12);
+}
+
+#[test]
+fn a_bright_pixel_is_not_in_the_trimmed_error() {
+    let (mut a, b) = (constant([0.5; 3]), constant([0.4; 3]));
+    let expected = 0.01 / (0.16 + 0.01);
+    assert!((trimmed_relative_mse(&a, &b) - expected).abs() < 1e-13);
+    a.pixels[77] = [1e6, 0.5, 0.5];
+    assert!((trimmed_relative_mse(&a, &b) - expected).abs() < 1e-13);
+    assert!(relative_mse(&a, &b) > 1e6);
+    // Two of them are more than one of a thousand.
+    a.pixels[3] = [0.4, 0.4, 10.4];
+    let with_one = expected + (100.0 / 0.17 / 3.0 - expected) / 191.0;
+    assert!((trimmed_relative_mse(&a, &b) - with_one).abs() < 1e-11);
+    assert!((relative_variance(&constant([0.1; 3]), &b) - 0.1 / 0.17).abs() < 1e-13);
 }
 
 #[test]

@@ -28,8 +28,8 @@ pub struct CompareArgs {
     /// Error that the map shows.
     #[arg(long, value_enum, default_value_t, value_name = "ERROR")]
     pub heatmap_of: ErrorMap,
-    /// Exit with code 1 if the metric is above the value (mse, relative-mse, residual-rms, cie76, flip, hdr-flip, z-test,
-    /// non-finite; the z-test rejects above 1).
+    /// Exit with code 1 if the metric is above the value (mse, relative-mse, trimmed-relative-mse,
+    /// reference-variance, residual-rms, cie76, flip, hdr-flip, z-test, non-finite; the z-test rejects above 1).
     #[arg(long, value_name = "METRIC=VALUE", value_parser = parse_threshold)]
     pub fail_above: Vec<(Metric, f64)>,
     /// Exit with code 1 if the metric is below the value (psnr, ssim).

@@ -8,7 +8,9 @@ use crate::compare::metrics::cielab::cie76;
 use crate::compare::metrics::flip::{hdr_flip, ldr_flip, mean};
 use crate::compare::metrics::mse::mse;
 use crate::compare::metrics::psnr::psnr;
-use crate::compare::metrics::relative_mse::relative_mse;
+use crate::compare::metrics::relative_mse::{
+    relative_mse, relative_variance, trimmed_relative_mse,
+};
 use crate::compare::metrics::residual_rms::residual_rms;
 use crate::compare::metrics::ssim::ssim;
 use crate::compare::metrics::ztest::{self, Estimate, Outcome};
@@ -23,6 +25,10 @@ pub enum Metric {
     Mse,
     /// Relative mean squared error.
     RelativeMse,
+    /// The same without the worst pixels.
+    TrimmedRelativeMse,
+    /// Share of the reference's own variance in the relative mean squared error.
+    ReferenceVariance,
     /// Root mean square of relative residuals.
     ResidualRms,
     /// Peak signal to noise ratio in decibel.
@@ -43,9 +49,11 @@ pub enum Metric {
 
 impl Metric {
     /// Every metric, in the order of a table.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Mse,
         Self::RelativeMse,
+        Self::TrimmedRelativeMse,
+        Self::ReferenceVariance,
         Self::ResidualRms,
         Self::Psnr,
         Self::Cie76,
@@ -61,6 +69,8 @@ impl Metric {
         match self {
             Self::Mse => "mse",
             Self::RelativeMse => "relative-mse",
+            Self::TrimmedRelativeMse => "trimmed-relative-mse",
+            Self::ReferenceVariance => "reference-variance",
             Self::ResidualRms => "residual-rms",
             Self::Psnr => "psnr",
             Self::Cie76 => "cie76",
@@ -183,8 +193,10 @@ impl Comparison {
         if !finite.contains(&true) {
             return Err(CompareError::NothingFinite);
         }
+        let mut own_variance = layer(b, "variance.");
         let cleared = [&mut mean_a, &mut mean_b]
             .into_iter()
+            .chain(own_variance.as_mut())
             .chain(variances.iter_mut().flat_map(|(a, b)| [a, b]));
         for image in cleared {
             for (p, _) in image
@@ -207,6 +219,10 @@ impl Comparison {
             let value = match metric {
                 Metric::Mse => Some(mse(&mean_a, &mean_b)),
                 Metric::RelativeMse => Some(relative_mse(&mean_a, &mean_b)),
+                Metric::TrimmedRelativeMse => Some(trimmed_relative_mse(&mean_a, &mean_b)),
+                Metric::ReferenceVariance => own_variance
+                    .as_ref()
+                    .map(|variance| relative_variance(variance, &mean_b)),
                 Metric::ResidualRms => Some(residual_rms(&mean_a, &mean_b)),
                 Metric::Psnr => Some(psnr(&mean_a, &mean_b)),
                 Metric::Cie76 => Some(cie76(&mean_a, &mean_b)),

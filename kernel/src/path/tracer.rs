@@ -74,6 +74,10 @@ impl<T: Traverse> Tracer<'_, T> {
         let Some(remainder) = &self.beside else {
             return true;
         };
+        // Path tracing blurs nothing.
+        if path.is_blurred() {
+            return true;
+        }
         let pdf = [0, 1].map(|s| path.strategy_pdf(tables, s, false));
         path.value *= remainder.left(path.luminance(), pdf, path.edges() as u32);
         path.value.max_element() > 0.0

@@ -30,11 +30,13 @@
 //! Every strategy's estimate of the path is then f / p_s, whatever the measure ([`Path::strategy_pdf`]).
 //! Invariant (tests): paths weighted by f / sum_s p_s have the image of bidirectional path tracing, block by block.
 //!
+//! With [`Blurring`], one vertex of a path that nothing samples may be specular and connected all the same (`whole_blurred.rs`).
+//!
 //! Hosts only: a path holds its surface points, because chains come back to them many times.
 
 use super::rules::PathRules;
 use super::specular::discrete;
-use super::whole_vertex::Vertex;
+use super::whole_vertex::{BLURRED, Vertex};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::scene::emitter::emission::{self, is_delta, is_infinite};
@@ -42,6 +44,23 @@ use crate::scene::emitter::{self, area_radiance, delta, environment_radiance};
 use crate::scene::{NONE, SurfacePoint, Tables, camera, emitter_kind};
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
+
+/// How discrete events are blurred.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blurring {
+    /// Radius at the far end of the edge, zero for none.
+    pub radius: f32,
+    /// One of the kernels of [`crate::regularize::mollifier`].
+    pub kernel: u32,
+}
+
+impl Blurring {
+    /// None.
+    pub const NONE: Blurring = Blurring {
+        radius: 0.0,
+        kernel: 0,
+    };
+}
 
 /// A whole path of at most `N` vertices.
 #[derive(Clone, Debug)]
@@ -62,6 +81,10 @@ pub struct Path<const N: usize> {
     pub to_lens: Vec3,
     /// f of the header.
     pub value: Rgb,
+    /// How a vertex may be blurred.
+    pub blurring: Blurring,
+    /// The only strategy s that can make the path if a vertex is blurred, zero if none is.
+    pub(super) joined: usize,
 }
 
 impl<const N: usize> Path<N> {
@@ -76,6 +99,8 @@ impl<const N: usize> Path<N> {
             importance: 0.0,
             to_lens: Vec3::Z,
             value: Vec3::ZERO,
+            blurring: Blurring::NONE,
+            joined: 0,
         }
     }
 
@@ -161,6 +186,9 @@ impl<const N: usize> Path<N> {
         if hides && (k == 1 || is_hidden(&self.vertices[k - 1])) {
             return false;
         }
+        if !self.find_joined(tables, rules) {
+            return false;
+        }
         let mut value = self.emitted(tables);
         for i in 1..k {
             if !(value.max_element() > 0.0) || !self.look_up(tables, rules, i, bsdf, &mut visit) {
@@ -200,7 +228,7 @@ impl<const N: usize> Path<N> {
         visit: &mut impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
     ) -> bool {
         let (to_sensor, to_light) = (self.next_direction(i), self.previous_direction(i));
-        let vertex = &mut self.vertices[i];
+        let vertex = &self.vertices[i];
         let point = &vertex.point;
         let (wc, wl) = (
             point.frame.to_local(to_sensor),
@@ -209,6 +237,18 @@ impl<const N: usize> Path<N> {
         if !rules.allows(point, to_sensor, wc.z) || !rules.allows(point, to_light, wl.z) {
             return false;
         }
+        if vertex.event == BLURRED {
+            let value = self.blurred_value(tables, rules, i, bsdf);
+            let vertex = &mut self.vertices[i];
+            vertex.value = value;
+            // Nothing samples its directions.
+            vertex.pdf_to_light = 0.0;
+            vertex.pdf_to_sensor = 0.0;
+            vertex.ratio = 1.0;
+            return value.max_element() > 0.0 && value.is_finite();
+        }
+        let vertex = &mut self.vertices[i];
+        let point = &vertex.point;
         bsdf.look_up(tables, point, wc, mode::RADIANCE);
         if vertex.is_smooth() {
             let both = bsdf.eval_cosine_pdf_both(tables, point, wc, wl, false);
@@ -236,13 +276,13 @@ impl<const N: usize> Path<N> {
 
     /// |cos| at vertex `i` of a direction with the geometric normal; one where there is no surface.
     #[inline]
-    fn cosine(&self, i: usize, direction: Vec3) -> f32 {
+    pub(super) fn cosine(&self, i: usize, direction: Vec3) -> f32 {
         float::abs(self.vertices[i].point.geometric_normal.dot(direction))
     }
 
     /// Squared length of the edge to the next vertex.
     #[inline]
-    fn distance2(&self, i: usize) -> f32 {
+    pub(super) fn distance2(&self, i: usize) -> f32 {
         (self.vertices[i + 1].point.position - self.vertices[i].point.position).length_squared()
     }
 
@@ -294,6 +334,9 @@ impl<const N: usize> Path<N> {
         let k = self.edges();
         let kind = tables.emitters[self.emitter as usize].kind;
         let joins = |i: usize| i == 0 || i == k || self.vertices[i].is_smooth();
+        if self.joined != 0 && s != self.joined {
+            return 0.0;
+        }
         if s > k || (s == 0 && is_delta(kind)) || (s > 0 && !(joins(s - 1) && joins(s))) {
             return 0.0;
         }

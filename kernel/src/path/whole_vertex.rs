@@ -12,12 +12,15 @@ use glam::Vec3;
 /// Marks a vertex that is no discrete event.
 pub const SMOOTH: u32 = 0;
 
+/// Marks a vertex whose discrete events are blurred ([`super::mollified`]), so that it may be connected.
+pub const BLURRED: u32 = u32::MAX;
+
 /// A vertex of a whole path.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
     /// The surface point; of a point light and of the lens only the position means anything.
     pub point: SurfacePoint,
-    /// Bits of [`crate::bsdf::event`] of a discrete event, [`SMOOTH`] for none.
+    /// Bits of [`crate::bsdf::event`] of a discrete event, [`SMOOTH`] for none, [`BLURRED`] for one that is blurred.
     pub event: u32,
     /// Whether the material has one direction only for that kind of event.
     pub is_unique: bool,
@@ -82,7 +85,7 @@ impl Vertex {
     /// Whether it may be connected.
     #[inline]
     pub fn is_smooth(&self) -> bool {
-        self.event == SMOOTH
+        self.event == SMOOTH || self.event == BLURRED
     }
 }
 

@@ -5,7 +5,8 @@
 //! equation 6.5).
 //!
 //! - microfacet models: `tau_n`, the largest value of a regularised BSDF per steradian;
-//! - path space: `r_n = r_0 n^-lambda`, the radius at the far end of a connection within which a discrete direction counts.
+//! - path space: `r_n = r_0 n^-lambda`, the radius at the far end of a connection within which a discrete direction counts; Markov
+//!   chains shrink it further from step to step, `r_n gamma^m`.
 //!
 //! Plain data of 32-bit words, because shaders read the block of all settings.
 
@@ -53,9 +54,14 @@ pub struct RegularizationSettings {
     /// Share of tau^2 below which the quality of a path switches regularisation off; it fades in from there to tau^2, and one
     /// makes that a step.
     pub fade: f32,
+    /// 1 - gamma, by which the radius shrinks with each step of a Markov chain.
+    pub one_minus_gamma: f32,
 }
 
 impl RegularizationSettings {
+    /// 1e-4 (Kaplanyan and Dachsbacher 2013).
+    pub const DEFAULT_RATE: f32 = 1e-4;
+
     /// Nothing is regularised.
     pub const NONE: RegularizationSettings = RegularizationSettings {
         tau: TAU_MAX,
@@ -64,6 +70,7 @@ impl RegularizationSettings {
         kernel: mollifier::PERLIN,
         flags: 0,
         fade: 1.0,
+        one_minus_gamma: RegularizationSettings::DEFAULT_RATE,
     };
 
     /// Whether the tau of a vertex, or whether a path is regularised, depends on the path.

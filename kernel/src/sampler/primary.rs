@@ -110,6 +110,8 @@ pub struct PrimarySamples {
     step: u32,
     fresh: FreshSamples,
     is_large: bool,
+    /// Whether the current vector is handed out.
+    is_repeated: bool,
     /// Width of small steps over the usual one.
     width: f32,
     /// The next number, and one more than the last that was asked for and kept.
@@ -133,6 +135,7 @@ impl PrimarySamples {
             step: 0,
             fresh: start,
             is_large: false,
+            is_repeated: false,
             width: 1.0,
             next: 0,
             end: 0,
@@ -151,6 +154,15 @@ impl PrimarySamples {
         self.step += 1;
         self.fresh = FreshSamples::new(self.seed, self.chain, self.step);
         self.is_large = is_large;
+        self.is_repeated = false;
+        self.next = 0;
+        self.end = 0;
+    }
+
+    /// Begins to hand out the current vector once more, in place of a proposal.
+    #[inline]
+    pub fn repeat(&mut self) {
+        self.is_repeated = true;
         self.next = 0;
         self.end = 0;
     }
@@ -196,6 +208,9 @@ impl PrimarySamples {
 
     /// Number `dimension` of the proposed vector; small steps do not change those from [`CAPACITY`] on.
     pub fn number(&mut self, dimension: u32) -> f32 {
+        if self.is_repeated {
+            return self.current(dimension);
+        }
         let d = dimension as usize;
         if d >= CAPACITY {
             return if self.is_large {

@@ -55,8 +55,8 @@ pub struct IntegratorSettings {
     pub photon: PhotonSettings,
     /// Of Metropolis chains.
     pub chains: ChainSettings,
-    /// Of regularisation, in the algorithms that connect subpaths: [`integrator_kind::PATH`], [`integrator_kind::BIDIRECTIONAL`] and
-    /// [`integrator_kind::VERTEX_MERGING`].
+    /// Of regularisation, in the algorithms that connect subpaths: [`integrator_kind::PATH`], [`integrator_kind::BIDIRECTIONAL`],
+    /// [`integrator_kind::VERTEX_MERGING`], and Markov chains over bidirectional path tracing and of whole paths.
     pub regularization: RegularizationSettings,
 }
 

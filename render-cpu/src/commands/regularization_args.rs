@@ -14,7 +14,8 @@ pub struct RegularizationArgs {
     #[arg(help_heading = "Algorithm", long, value_name = "tau=T,..", value_parser = parse_regularize, conflicts_with = "mollify")]
     pub regularize: Option<RegularizationSettings>,
     /// Blur specular surfaces where nothing else finds the light, less with every sample: r0=R is the radius in the first sample,
-    /// 1% of the scene's or a length; lambda, kernel, constant and lights=all as well; r0=0 switches it off.
+    /// 1% of the scene's or a length; lambda, kernel, constant and lights=all as well, and gamma, by which Markov chains shrink it
+    /// with each mutation; r0=0 switches it off.
     #[arg(help_heading = "Algorithm", long, value_name = "r0=R,..", value_parser = parse_mollify)]
     pub mollify: Option<RegularizationSettings>,
 }
@@ -25,14 +26,15 @@ impl RegularizationArgs {
     /// # Errors
     /// If an algorithm without connections of its own will run.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
-        let Some(asked) = self.regularize.or(self.mollify) else {
-            return Ok(());
-        };
-        if asked.is_some() && !scene.edits.is_empty() {
-            let reason = "edits turn paths as they are, not those that regularisation has spread";
-            return Err(reason.to_string());
+        if let Some(asked) = self.regularize.or(self.mollify) {
+            if asked.is_some() && !scene.edits.is_empty() {
+                let reason =
+                    "edits turn paths as they are, not those that regularisation has spread";
+                return Err(reason.to_string());
+            }
+            scene.settings.regularization = asked;
         }
-        scene.settings.regularization = asked;
+        // What the scene asks for, too, if other options do not go with it.
         match refusal(&scene.settings) {
             Some(reason) => Err(reason),
             None => Ok(()),

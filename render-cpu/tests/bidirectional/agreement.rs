@@ -100,6 +100,17 @@ impl Batches {
         )
     }
 
+    /// The mean of several renderings, batch by batch.
+    pub fn mean_of(all: &[Batches]) -> Batches {
+        let mut rows = all[0].0.clone();
+        for (batch, row) in rows.iter_mut().enumerate() {
+            for (i, value) in row.iter_mut().enumerate() {
+                *value = all.iter().map(|own| own.0[batch][i]).sum::<f64>() / all.len() as f64;
+            }
+        }
+        Batches(rows)
+    }
+
     /// Mean and variance of the mean of each entry.
     fn moments(&self) -> Vec<(f64, f64)> {
         let n = self.0.len() as f64;

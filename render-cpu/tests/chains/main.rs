@@ -7,6 +7,7 @@ mod beside;
 mod brightness;
 mod half_vectors;
 mod measures;
+mod mollified;
 mod promises;
 mod returns;
 #[path = "../bidirectional/scenes.rs"]

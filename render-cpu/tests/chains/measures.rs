@@ -11,6 +11,7 @@ use halflight_kernel::manifold::half_vector_form::{PROJECTED, SLOPE};
 use halflight_kernel::manifold::mutation::density_factor;
 use halflight_kernel::manifold::vertex_kind;
 use halflight_kernel::path::tracer::Tracer;
+use halflight_kernel::path::whole::Blurring;
 use halflight_kernel::sampler::IndependentSampler;
 use halflight_kernel::transport::markov::half_vector::measure::{
     segment_factor, towards_light, vertex_factor,
@@ -42,13 +43,19 @@ fn with_paths(scene: &Scene, mut test: impl FnMut(&ChainPath, &PathChain)) {
         for i in 0..1500 {
             let mut sensor = IndependentSampler::new(1, 0, i);
             let mut light = IndependentSampler::new(2, 0, i);
-            candidate::paths(&tracer, &mut sensor, &mut light, |path, weight| {
-                if weight > 0.0 && path.edges() >= 2 && path.edges() <= 6 {
-                    let tables = &view.tables;
-                    chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
-                    test(path, &chain);
-                }
-            });
+            candidate::paths(
+                &tracer,
+                Blurring::NONE,
+                &mut sensor,
+                &mut light,
+                |path, weight| {
+                    if weight > 0.0 && path.edges() >= 2 && path.edges() <= 6 {
+                        let tables = &view.tables;
+                        chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
+                        test(path, &chain);
+                    }
+                },
+            );
         }
     });
 }

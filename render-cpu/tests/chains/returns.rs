@@ -10,6 +10,7 @@ use halflight_kernel::manifold::half_vector_form::SLOPE;
 use halflight_kernel::manifold::mutation::{density_factor, mutate, mutation_kind};
 use halflight_kernel::manifold::walk::{WalkOptions, walk};
 use halflight_kernel::path::tracer::Tracer;
+use halflight_kernel::path::whole::Blurring;
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::{SceneView, Traverse};
 use halflight_kernel::transport::markov::algorithm::WalkCounts;
@@ -48,21 +49,27 @@ fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segmen
             let mut sensor = IndependentSampler::new(1, 0, i);
             let mut light = IndependentSampler::new(2, 0, i);
             let mut steps = IndependentSampler::new(3, 0, i);
-            candidate::paths(&tracer, &mut sensor, &mut light, |path, weight| {
-                if !(weight > 0.0) || path.edges() != 3 {
-                    return;
-                }
-                let tables = &view.tables;
-                chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
-                let Some(segment) = Segment::<N>::new(&chain, 0, 3, SLOPE) else {
-                    return;
-                };
-                let mut target = segment.jacobian.h;
-                for h in &mut target[1..3] {
-                    *h += (steps.next_2d() - Vec2::splat(0.5)) * 1.2;
-                }
-                test(&tracer, path, &chain, &segment, &target);
-            });
+            candidate::paths(
+                &tracer,
+                Blurring::NONE,
+                &mut sensor,
+                &mut light,
+                |path, weight| {
+                    if !(weight > 0.0) || path.edges() != 3 {
+                        return;
+                    }
+                    let tables = &view.tables;
+                    chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
+                    let Some(segment) = Segment::<N>::new(&chain, 0, 3, SLOPE) else {
+                        return;
+                    };
+                    let mut target = segment.jacobian.h;
+                    for h in &mut target[1..3] {
+                        *h += (steps.next_2d() - Vec2::splat(0.5)) * 1.2;
+                    }
+                    test(&tracer, path, &chain, &segment, &target);
+                },
+            );
         }
     });
 }

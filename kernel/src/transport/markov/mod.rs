@@ -17,6 +17,7 @@
 //!
 //! - [`algorithm`]: what a driver needs to know of an algorithm;
 //! - [`state`]: what a state adds to the image;
+//! - [`annealing`]: targets that are mollified less and less;
 //! - [`primary_space`]: paths as functions of primary samples: over `path`, over `bdpt`, and multiplexed (`multiplexed`);
 //! - [`primary_chain`]: chains of primary samples;
 //! - [`veach`]: chains of whole paths;
@@ -25,6 +26,7 @@
 //! Hosts only: the records of a chain are long.
 
 pub mod algorithm;
+pub mod annealing;
 pub mod half_vector;
 mod multiplexed;
 pub mod primary_chain;

@@ -12,8 +12,11 @@
 //!
 //! because then both parts are unbiased for each group, with its own estimate of b in the first. With c = b it is the method of
 //! the paper. Where a pixel is dark compared with b, its light comes from large steps and not from rare visits.
+//!
+//! States of a target that is mollified less and less count with the weight W of [`super::annealing`] besides.
 
 use super::algorithm::{ChainAlgorithm, MutationCounts, Observation};
+use super::annealing::Annealing;
 use super::primary_space::PrimarySpace;
 use super::state::{Splat, State};
 use crate::math::luminance;
@@ -45,6 +48,7 @@ pub struct PrimaryChains<'a, T: Traverse> {
     p_large: f32,
     /// c of the header.
     constant: f32,
+    annealing: Annealing,
     seed: u32,
     group: u32,
 }
@@ -57,18 +61,31 @@ pub struct PrimaryChain {
     proposed: State,
     /// What the current state has yet to add, in units of b F / (I + p c).
     pending: f32,
+    /// W of [`super::annealing`].
+    weight: f32,
     number: u32,
     step: u32,
     counts: [MutationCounts; 2],
 }
 
 impl<'a, T: Traverse + Sync> PrimaryChains<'a, T> {
-    /// Those of `group`.
+    /// Those of `group`, of a target that is not regularised.
     pub fn new(space: PrimarySpace<'a, T>, p_large: f32, seed: u32, group: u32) -> Self {
+        PrimaryChains::with_constant(space, p_large, Annealing::NONE, seed).of_group(group)
+    }
+
+    /// With the constant of the weights that the target of `annealing` has; only those [`PrimaryChains::of_group`] are to run.
+    pub fn with_constant(
+        space: PrimarySpace<'a, T>,
+        p_large: f32,
+        annealing: Annealing,
+        seed: u32,
+    ) -> Self {
         let pilot = PrimaryChains {
             space,
             p_large,
             constant: 0.0,
+            annealing,
             seed,
             group: PILOT,
         };
@@ -78,7 +95,6 @@ impl<'a, T: Traverse + Sync> PrimaryChains<'a, T> {
         }
         PrimaryChains {
             constant: (sum / f64::from(PILOT_CANDIDATES)) as f32,
-            group,
             ..pilot
         }
     }
@@ -89,9 +105,17 @@ impl<'a, T: Traverse + Sync> PrimaryChains<'a, T> {
             space: self.space,
             p_large: self.p_large,
             constant: self.constant,
+            annealing: self.annealing,
             seed: self.seed,
             group,
         }
+    }
+
+    /// The same with another target.
+    #[must_use]
+    pub fn annealed(mut self, annealing: Annealing) -> Self {
+        self.annealing = annealing;
+        self
     }
 
     #[inline]
@@ -110,13 +134,34 @@ impl<'a, T: Traverse + Sync> PrimaryChains<'a, T> {
     }
 }
 
+impl<T: Traverse + Sync> PrimaryChains<'_, T> {
+    /// Goes on with a smaller radius.
+    fn sharpen(&self, chain: &mut PrimaryChain, b: f32, add: &mut impl FnMut(Splat)) {
+        self.finish(chain, b, add);
+        chain.light.repeat();
+        chain.camera.repeat();
+        let before = chain.current.luminance();
+        let regularization = self.annealing.at(chain.step);
+        self.space.evaluate(
+            &mut chain.light,
+            &mut chain.camera,
+            &regularization,
+            &mut chain.current,
+        );
+        let ratio = chain.current.luminance() / before;
+        chain.weight *= if ratio > 0.0 { ratio } else { 0.0 };
+    }
+}
+
 impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
     type Chain = PrimaryChain;
 
     fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32)) {
         let [mut light, mut camera] = self.candidate(candidate);
         let mut state = State::default();
-        self.space.evaluate(&mut light, &mut camera, &mut state);
+        let regularization = self.annealing.at(0);
+        self.space
+            .evaluate(&mut light, &mut camera, &regularization, &mut state);
         add(state.luminance());
     }
 
@@ -128,32 +173,43 @@ impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
             current: State::default(),
             proposed: State::default(),
             pending: 0.0,
+            weight: 1.0,
             number,
             step: 0,
             counts: Default::default(),
         };
         let [mut light, mut camera] = [light, camera];
+        let regularization = self.annealing.at(0);
         self.space
-            .evaluate(&mut light, &mut camera, &mut chain.current);
+            .evaluate(&mut light, &mut camera, &regularization, &mut chain.current);
         chain
     }
 
     fn step(&self, chain: &mut PrimaryChain, b: f32, add: &mut impl FnMut(Splat)) {
+        if self.annealing.changes_at(chain.step) {
+            self.sharpen(chain, b, add);
+        }
+        let regularization = self.annealing.at(chain.step);
         chain.step += 1;
         let choice = FreshSamples::new(self.stream(stream::CHOICE), chain.number, chain.step);
         let is_large = choice.number(0) < self.p_large;
         chain.light.propose(is_large);
         chain.camera.propose(is_large);
-        self.space
-            .evaluate(&mut chain.light, &mut chain.camera, &mut chain.proposed);
+        self.space.evaluate(
+            &mut chain.light,
+            &mut chain.camera,
+            &regularization,
+            &mut chain.proposed,
+        );
         let (i_x, i_y) = (chain.current.luminance(), chain.proposed.luminance());
-        // A chain starts where there is light, and goes nowhere else.
+        // A chain starts where there is light, and goes nowhere else until its state loses all of it.
         let acceptance = if i_y < i_x { i_y / i_x } else { 1.0 };
-        let mut of_proposed = acceptance * b;
+        let own = b * chain.weight;
+        let mut of_proposed = acceptance * own;
         if is_large {
             of_proposed += self.constant;
         }
-        chain.pending += (1.0 - acceptance) * b;
+        chain.pending += (1.0 - acceptance) * own;
         let counts = &mut chain.counts[if is_large { LARGE } else { SMALL }];
         counts.proposed += 1;
         counts.lit += u64::from(i_y > 0.0);

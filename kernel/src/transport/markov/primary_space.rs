@@ -17,12 +17,12 @@ use crate::path::expression::MAX_PARTS;
 use crate::path::retarget_states::Edits;
 use crate::path::rules::step;
 use crate::path::{Contribution, PathExpressions, PathStates, PathVertex, Shares};
+use crate::regularize::settings::Regularization;
 use crate::sampler::{FreshSamples, PrimarySamples, Sampler};
 use crate::scene::camera::CameraSample;
 use crate::scene::{NONE, SceneView, Traverse, camera};
 use crate::transport::bidirectional::{
-    Bidirectional, DividedSample, StateStore, Unshadowed, VertexStore, Watcher, sample,
-    sample_watched,
+    Bidirectional, DividedSample, StateStore, Unshadowed, VertexStore, Watcher, sample_watched,
 };
 use crate::transport::bounce::{Rays, shade};
 use crate::transport::divided::DividedPath;
@@ -158,8 +158,14 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
         self.expressions.is_some() || self.edits.is_some()
     }
 
-    /// F of the numbers.
-    pub fn evaluate<S: PrimaryNumbers>(&self, light: &mut S, sensor: &mut S, state: &mut State) {
+    /// F of the numbers; `regularization` is of connections of bidirectional path tracing alone.
+    pub fn evaluate<S: PrimaryNumbers>(
+        &self,
+        light: &mut S,
+        sensor: &mut S,
+        regularization: &Regularization,
+        state: &mut State,
+    ) {
         state.clear();
         let u_film = sensor.next_2d();
         let u_lens = sensor.next_2d();
@@ -206,21 +212,10 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
                 let mut add = |found: Contribution| add(found, &Shares::NONE);
                 self.path(sensor, Path::new(&seen.ray), &mut add);
             }
-        } else if self.technique == technique::BIDIRECTIONAL && self.follows() {
-            let algorithm = Bidirectional::new(&self.view.tables, self.settings);
-            self.follow_both(&algorithm, light, sensor, &seen, add);
         } else if self.technique == technique::BIDIRECTIONAL {
-            let mut store = Vertices::default();
-            let mut add = |found: Contribution| add(found, &Shares::NONE);
-            sample(
-                self.view,
-                self.settings,
-                light,
-                sensor,
-                &seen,
-                &mut store,
-                &mut add,
-            );
+            let tables = &self.view.tables;
+            let algorithm = Bidirectional::new(tables, self.settings).regularized(*regularization);
+            self.follow_both(&algorithm, light, sensor, &seen, add);
         } else {
             self.one_strategy(light, sensor, &seen, &mut add);
         }

@@ -14,6 +14,7 @@ use halflight_kernel::sampler::IndependentSampler;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::scene::{SceneView, scene_flag};
 use halflight_kernel::transport::markov::VeachChains;
+use halflight_kernel::transport::markov::annealing::Annealing;
 use halflight_kernel::transport::markov::veach::balance::balance;
 use halflight_kernel::transport::settings::ChainSettings;
 use halflight_kernel::transport::wavefront::Wavefront;
@@ -64,6 +65,8 @@ impl Beside {
             return None;
         }
         let chains = VeachChains::new(view, settings, LEAST_EDGES, seed, PILOT);
+        let radius = view.tables.info.radius;
+        let chains = chains.annealed(Annealing::of_group(&settings.regularization, radius, 0));
         let mutations = u64::from(own.mutations_per_pixel(pixels)) * u64::from(pixels);
         let candidates =
             (mutations / 64).clamp(LEAST_CANDIDATES.into(), MOST_CANDIDATES.into()) as u32;

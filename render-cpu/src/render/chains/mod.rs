@@ -33,6 +33,7 @@ use halflight_kernel::sampler::{FreshSamples, IndependentSampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::divided::sample_divided_pixel;
+use halflight_kernel::transport::markov::annealing::Annealing;
 use halflight_kernel::transport::markov::primary_space::PrimarySpace;
 use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains, VeachChains};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind, retargeted, sample_pixel};
@@ -86,6 +87,26 @@ impl MutationsPerPixel {
     }
 }
 
+/// The mollification of a group's chains.
+fn annealing<T: Traverse>(
+    view: &SceneView<'_, T>,
+    settings: &IntegratorSettings,
+    group: u32,
+) -> Annealing {
+    Annealing::of_group(&settings.regularization, view.tables.info.radius, group)
+}
+
+/// Samples per pixel of a group for direct illumination. Regularised chains of primary samples find all of it, because they do not
+/// know which of their light is regularised.
+fn direct_samples(settings: &IntegratorSettings, pixels: u32) -> u32 {
+    let is_primary = settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT;
+    if is_primary && settings.regularization.is_some() {
+        0
+    } else {
+        settings.chains.direct_samples_per_pixel(pixels)
+    }
+}
+
 /// Adds `groups` groups of chains to the film, or fewer when it is to stop; a group that is not complete is dropped.
 pub fn render_groups<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
@@ -98,8 +119,11 @@ pub fn render_groups<T: Traverse + Sync>(
 ) -> PassEnd {
     let own = &settings.chains;
     let pixels = film.width() * film.height();
-    let direct = own.direct_samples_per_pixel(pixels);
-    let min_edges = if direct > 0 { 3 } else { 1 };
+    let min_edges = if direct_samples(settings, pixels) > 0 {
+        3
+    } else {
+        1
+    };
     let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
     // It adds to the image, not to parts of it.
     let is_plain = followed.division.is_none() && followed.edits.is_none();
@@ -113,7 +137,9 @@ pub fn render_groups<T: Traverse + Sync>(
         let space = PrimarySpace::new(view, settings, own.technique, min_edges);
         let expressions = followed.division.map(|division| division.expressions);
         let space = space.following(expressions, followed.edits.copied());
-        PrimaryChains::new(space, own.p_large, options.seed, first)
+        // The constant of all groups, whichever are rendered.
+        let of_first = annealing(view, settings, 0);
+        PrimaryChains::with_constant(space, own.p_large, of_first, options.seed)
     });
     for group in first..first + groups {
         if group > first && stop.is_set() {
@@ -122,6 +148,7 @@ pub fn render_groups<T: Traverse + Sync>(
         let is_complete = match &of_samples {
             Some(chains) => {
                 let chains = chains.of_group(group);
+                let chains = chains.annealed(annealing(view, settings, group));
                 add_group(
                     view, settings, followed, None, options, film, group, &chains, stop,
                 )
@@ -131,6 +158,7 @@ pub fn render_groups<T: Traverse + Sync>(
                 let division = followed.division;
                 let chains = chains.divided(division.map(|division| division.expressions));
                 let chains = chains.beside(beside.map(|beside| beside.remainder));
+                let chains = chains.annealed(annealing(view, settings, group));
                 add_group(
                     view, settings, followed, beside, options, film, group, &chains, stop,
                 )
@@ -221,7 +249,7 @@ fn add_to_film<T: Traverse + Sync>(
     let beside = beside.map(|beside| beside.render(view, options.seed, group, film));
     let direct = match beside {
         Some(_) => 0,
-        None => settings.chains.direct_samples_per_pixel(pixels),
+        None => direct_samples(settings, pixels),
     };
     let direct_settings = IntegratorSettings {
         kind: integrator_kind::PATH,

@@ -6,6 +6,8 @@ use crate::scene::xml::Object;
 use halflight_kernel::regularize::bandwidth::{TAU_MAX, TAU_MIN, is_consistent};
 use halflight_kernel::regularize::mollifier;
 use halflight_kernel::regularize::settings::{RegularizationSettings, flag};
+use halflight_kernel::transport::markov::primary_space::technique;
+use halflight_kernel::transport::settings::ChainSettings;
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 
 /// Dimensions of what is mollified: the direction at one vertex.
@@ -18,11 +20,21 @@ fn can_be_regularized(settings: &IntegratorSettings) -> bool {
     settings.kind == integrator_kind::PATH
         || settings.kind == integrator_kind::BIDIRECTIONAL
         || merges && connects
+        || is_of_chains(settings)
+}
+
+/// Whether chains make paths by connections that can be regularised.
+fn is_of_chains(settings: &IntegratorSettings) -> bool {
+    let is_bidirectional = settings.chains.technique == technique::BIDIRECTIONAL;
+    settings.kind == integrator_kind::VEACH_MLT
+        || settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT && is_bidirectional
 }
 
 /// Why an algorithm cannot be regularised as its settings ask, in one sentence.
 pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
     let own = &settings.regularization;
+    let direct = settings.chains.direct_samples;
+    let is_of_samples = settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT;
     let of_path = flag::ALL_LIGHTS | flag::VIRTUAL_MERGE;
     if !own.is_some() {
         None
@@ -33,6 +45,19 @@ pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
         ))
     } else if own.flags & of_path != 0 && settings.kind != integrator_kind::PATH {
         Some("virtual and lights=all are for path".to_string())
+    } else if own.is_adaptive() && is_of_chains(settings) {
+        Some("quality and diffusion are for path, bdpt and vcm".to_string())
+    } else if own.tau < TAU_MAX && settings.kind == integrator_kind::VEACH_MLT {
+        Some(
+            "chains of whole paths take mollify; regularize is for pssmlt among chains".to_string(),
+        )
+    } else if own.one_minus_gamma > 0.0
+        && own.one_minus_gamma != RegularizationSettings::DEFAULT_RATE
+        && !is_of_chains(settings)
+    {
+        Some("gamma is for Markov chains".to_string())
+    } else if is_of_samples && direct != 0 && direct != ChainSettings::SOME {
+        Some("regularised chains of primary samples find all light by themselves, without direct samples".to_string())
     } else {
         None
     }
@@ -47,7 +72,7 @@ fn regularized_names() -> String {
     };
     let names: Vec<_> = INTEGRATORS
         .iter()
-        .filter(|i| of(i.kind) && i.name != "vm")
+        .filter(|i| of(i.kind) && i.name != "vm" && i.name != "mmlt")
         .map(|i| i.name)
         .collect();
     names.join(", ")
@@ -118,6 +143,7 @@ pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
 /// What was expected.
 pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
     let mut own = RegularizationSettings::NONE;
+    let mut rate = None;
     for word in text.split(',').map(str::trim) {
         match word.split_once('=') {
             Some(("r0", value)) => {
@@ -136,6 +162,11 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
                 own.exponent = number(value, |v| is_consistent(v as f32, DIMENSIONS))
                     .ok_or("lambda lies between 0 and 1/2")? as f32;
             }
+            Some(("gamma", value)) => {
+                let gamma = number(value, |v| v > 0.0 && v <= 1.0)
+                    .ok_or("gamma lies between 0 and 1, as 0.9999")?;
+                rate = Some((1.0 - gamma) as f32);
+            }
             Some(("kernel", name)) => {
                 own.kernel = match name {
                     "constant" => mollifier::CONSTANT,
@@ -148,10 +179,14 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
             _ => shared(
                 word,
                 &mut own,
-                "r0=1%, lambda=0.167, kernel=perlin, constant and lights=all",
+                "r0=1%, lambda=0.167, gamma=0.9999, kernel=perlin, constant and lights=all",
             )?,
         }
     }
+    if own.flags & flag::CONSTANT != 0 {
+        own.one_minus_gamma = 0.0;
+    }
+    own.one_minus_gamma = rate.unwrap_or(own.one_minus_gamma);
     Ok(own)
 }
 
@@ -190,6 +225,10 @@ mod tests {
         assert!(own.radius == 0.25 && own.exponent == 0.25 && own.flags == 0);
         assert_eq!(own.kernel, mollifier::CONSTANT);
         assert!(!parse_mollify("r0=0").unwrap().is_some());
+        let rate = |text| parse_mollify(text).unwrap().one_minus_gamma;
+        assert_eq!(rate("r0=1%"), RegularizationSettings::DEFAULT_RATE);
+        assert_eq!(rate("r0=1%,constant"), 0.0);
+        assert_eq!(rate("gamma=0.75,r0=1%,constant"), 0.25);
     }
 
     #[test]
@@ -205,6 +244,7 @@ mod tests {
         for (text, part) in [
             ("r0=-1", "length"),
             ("lambda=0.5", "1/2"),
+            ("gamma=1.5", "0.9999"),
             ("kernel=x", "perlin"),
         ] {
             let error = parse_mollify(text).unwrap_err();

@@ -14,14 +14,17 @@
 //! ```text
 //! T(x -> y) / I(y) = P(k') P(m - l) P(l) P(split) sum_s p_s(y) / I(y).
 //! ```
+//!
+//! With a target that is mollified, a connection may blur one of its ends: which, is chosen among those that its materials allow,
+//! with the same probability each, so p_s is divided by their number.
 
 use super::ChainPath;
 use super::candidate::{
-    append_from_light, begin_direct, begin_emission, join, may_be_seen, window_position,
+    Ends, append_from_light, begin_direct, begin_emission, join, may_be_seen, window_position,
 };
 use crate::bsdf::Bsdf;
 use crate::path::tracer::Tracer;
-use crate::path::whole_vertex::{SMOOTH, Vertex};
+use crate::path::whole_vertex::{BLURRED, SMOOTH, Vertex};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission;
 use crate::scene::{NONE, Traverse, camera, emitter_kind};
@@ -111,7 +114,14 @@ impl Change {
     ) -> f32 {
         let tables = &tracer.view.tables;
         let sum: f32 = (0..self.added)
-            .map(|i| y.strategy_pdf(tables, self.light + i, self.light > 0))
+            .map(|i| {
+                let s = self.light + i;
+                let pdf = y.strategy_pdf(tables, s, self.light > 0);
+                if s == 0 || !(pdf > 0.0) {
+                    return pdf;
+                }
+                pdf / Ends::of(tables, y, s).count() as f32
+            })
             .sum();
         self.probability(k, limits) * sum / y.luminance()
     }
@@ -135,6 +145,7 @@ pub fn propose<T: Traverse, S: Sampler>(
     y.emitter = x.emitter;
     y.to_light = x.to_light;
     y.u_lens = x.u_lens;
+    y.blurring = x.blurring;
     // The sensor's part, from the lens on.
     let mut sensor: ArrayVec<Vertex, { super::MAX_VERTICES }> = ArrayVec::new();
     sensor.extend(x.vertices[m..].iter().rev().copied());
@@ -271,8 +282,18 @@ pub fn propose<T: Traverse, S: Sampler>(
         y.vertices[0].event = SMOOTH;
     } else if y.edges() == 1 && !may_be_seen(tables, y.emitter) || !join(tracer, y, lit - 1) {
         return false;
+    } else if y.blurring.radius > 0.0 {
+        let ends = Ends::of(tables, y, lit);
+        let index = match ends.count() {
+            0 => return false,
+            1 => 0,
+            count => ((sampler.next_1d() * count as f32) as u32).min(count - 1),
+        };
+        if let Some(i) = ends.choose(lit, index) {
+            y.vertices[i].event = BLURRED;
+        }
     }
-    tracer.evaluate(y, bsdf)
+    tracer.evaluate(y, bsdf) && y.may_join(lit)
 }
 
 /// A ray on from the start of a light walk whose position, or whose direction if it is at infinity, is kept.

@@ -2,12 +2,16 @@
 //!
 //! A path that strategy s makes has the weight f / sum_j p_j, the balance heuristic's share of f / p_s, over the probabilities
 //! with which Russian roulette let its two walks live.
+//!
+//! With a target that is mollified, a connection makes a path with each of the ends blurred as well, if its materials allow that
+//! ([`Ends`]).
 
 use super::{ChainPath, MAX_VERTICES};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, luminance};
 use crate::path::tracer::Tracer;
-use crate::path::whole_vertex::{SMOOTH, Vertex};
+use crate::path::whole::Blurring;
+use crate::path::whole_vertex::{BLURRED, SMOOTH, Vertex};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
 use crate::scene::emitter::sample_direct_with_point;
@@ -81,6 +85,7 @@ fn walk<T: Traverse, S: Sampler>(
 /// Hands on all paths of a candidate that may carry light with their weights; `sensor` and `light` are the numbers of its walks.
 pub fn paths<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
+    blurring: Blurring,
     sensor: &mut S,
     light: &mut S,
     mut add: impl FnMut(&ChainPath, f32),
@@ -106,9 +111,10 @@ pub fn paths<T: Traverse, S: Sampler>(
     let lens = Vertex::bare(tables, ray.origin);
     let mut path = ChainPath::empty();
     path.u_lens = u_lens;
-    let mut finish = |path: &mut ChainPath, survived: f32| {
+    path.blurring = blurring;
+    let mut finish = |path: &mut ChainPath, s: usize, survived: f32| {
         path.film = film;
-        if !tracer.evaluate(path, &mut bsdf) {
+        if !tracer.evaluate(path, &mut bsdf) || !path.may_join(s) {
             return add(path, 0.0);
         }
         let sum: f32 = (0..=path.edges())
@@ -131,7 +137,7 @@ pub fn paths<T: Traverse, S: Sampler>(
             path.vertices.push(lens);
             path.vertices[0].event = SMOOTH;
             path.emitter = end.point.emitter;
-            finish(&mut path, survival(t - 1));
+            finish(&mut path, 0, survival(t - 1));
         }
         if t == camera_count + 1
             && let Some(direction) = from_sensor.escaped
@@ -146,7 +152,7 @@ pub fn paths<T: Traverse, S: Sampler>(
             path.vertices.push(lens);
             path.emitter = tables.info.environment;
             path.to_light = direction;
-            finish(&mut path, survival(t));
+            finish(&mut path, 0, survival(t));
         }
         for s in 1..=from_light.vertices.len() + 1 {
             if s + t > MAX_VERTICES || s + t > tracer.rules.max_depth as usize + 1 {
@@ -162,12 +168,13 @@ pub fn paths<T: Traverse, S: Sampler>(
                     path.vertices.push(lens);
                     path.vertices[1].event = SMOOTH;
                     if join(tracer, &mut path, 0) {
-                        finish(&mut path, survival(t - 1));
+                        let survived = survival(t - 1);
+                        for_ends(tables, &mut path, 1, |path| finish(path, 1, survived));
                         continue;
                     }
                 }
                 path.vertices.clear();
-                finish(&mut path, 1.0);
+                finish(&mut path, 0, 1.0);
                 continue;
             }
             if !start.is_some() || s + t == 2 && !may_be_seen(tables, start.emitter) {
@@ -184,11 +191,89 @@ pub fn paths<T: Traverse, S: Sampler>(
             path.vertices[s - 1].event = SMOOTH;
             path.vertices[s].event = SMOOTH;
             if join(tracer, &mut path, s - 1) {
-                finish(&mut path, survival(s - 1) * survival(t - 1));
+                let survived = survival(s - 1) * survival(t - 1);
+                for_ends(tables, &mut path, s, |path| finish(path, s, survived));
             } else {
                 path.vertices.clear();
-                finish(&mut path, 1.0);
+                finish(&mut path, 0, 1.0);
             }
+        }
+    }
+}
+
+/// Which ends of the edge to vertex `s` make a path of one that is connected there.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends {
+    /// Both scatter.
+    smooth: bool,
+    /// That at the light is blurred.
+    light: bool,
+    /// That at the sensor is blurred.
+    sensor: bool,
+}
+
+impl Ends {
+    /// Those of a path, whatever its events there.
+    pub fn of(tables: &Tables<'_>, path: &ChainPath, s: usize) -> Ends {
+        if !(path.blurring.radius > 0.0) {
+            return Ends {
+                smooth: true,
+                light: false,
+                sensor: false,
+            };
+        }
+        let mut bsdf = Bsdf::BLACK;
+        let mut lobes = |i: usize| {
+            if i == 0 || i == path.edges() {
+                return (true, false);
+            }
+            let point = &path.vertices[i].point;
+            let to_sensor = path.vertices[i + 1].point.position - point.position;
+            let wc = point.frame.to_local(to_sensor.normalize());
+            bsdf.look_up(tables, point, wc, mode::RADIANCE);
+            (bsdf.has_smooth(), bsdf.has_delta())
+        };
+        let (light, sensor) = (lobes(s - 1), lobes(s));
+        Ends {
+            smooth: light.0 && sensor.0,
+            light: light.1 && sensor.0,
+            sensor: light.0 && sensor.1,
+        }
+    }
+
+    /// How many paths those are.
+    pub fn count(&self) -> u32 {
+        u32::from(self.smooth) + u32::from(self.light) + u32::from(self.sensor)
+    }
+
+    /// One of those paths by number: the vertex that is blurred if any is, beside its edge to vertex `s`.
+    pub fn choose(&self, s: usize, index: u32) -> Option<usize> {
+        let choices = [
+            (self.smooth, None),
+            (self.light, Some(s - 1)),
+            (self.sensor, Some(s)),
+        ];
+        let mut left = choices.into_iter().filter(|choice| choice.0);
+        left.nth(index as usize).and_then(|choice| choice.1)
+    }
+}
+
+/// Hands on the paths of one that is connected at the edge to vertex `s`.
+fn for_ends(
+    tables: &Tables<'_>,
+    path: &mut ChainPath,
+    s: usize,
+    mut finish: impl FnMut(&mut ChainPath),
+) {
+    let ends = Ends::of(tables, path, s);
+    for index in 0..ends.count() {
+        let blurred = ends.choose(s, index);
+        if let Some(i) = blurred {
+            path.vertices[i].event = BLURRED;
+        }
+        finish(path);
+        if let Some(i) = blurred {
+            path.vertices[i].event = SMOOTH;
         }
     }
 }

@@ -1,57 +1,18 @@
-//! A chain of whole paths, and the group that it belongs to.
+//! A chain of whole paths and its steps.
 
-use super::balance::Probe;
+use super::ChainPath;
 use super::bidirectional::{self, Change};
-use super::candidate;
+use super::group::{VeachChains, mutation, stream};
 use super::perturbation::{caustic_start, propose_from_light, propose_from_sensor, sensor_chain};
-use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::Bsdf;
-use crate::path::PathExpressions;
-use crate::path::remainder::Remainder;
-use crate::path::tracer::Tracer;
 use crate::sampler::{FreshSamples, Sampler, mix};
-use crate::scene::{SceneView, Traverse};
+use crate::scene::Traverse;
 use crate::transport::markov::algorithm::{
     ChainAlgorithm, MutationCounts, Observation, StepRecord,
 };
 use crate::transport::markov::half_vector::path_chain::ChainPair;
-use crate::transport::markov::half_vector::{
-    HalfVectorSettings, half_vector_mutation, manifold_perturbation,
-};
+use crate::transport::markov::half_vector::{half_vector_mutation, manifold_perturbation};
 use crate::transport::markov::state::Splat;
-use crate::transport::settings::IntegratorSettings;
-
-/// Streams of a group, told apart by what its seed is mixed with.
-mod stream {
-    pub const CANDIDATE_SENSOR: u32 = 0x428a_2f98;
-    pub const CANDIDATE_LIGHT: u32 = 0x7137_4491;
-    pub const CHAIN: u32 = 0xb5c0_fbcf;
-}
-
-/// Kinds of mutations.
-mod mutation {
-    pub const BIDIRECTIONAL: usize = 0;
-    pub const LENS: usize = 1;
-    pub const CAUSTIC: usize = 2;
-    pub const MULTI_CHAIN: usize = 3;
-    pub const MANIFOLD: usize = 4;
-    pub const HALF_VECTOR: usize = 5;
-    pub const COUNT: usize = 6;
-}
-
-/// The chains of a group.
-pub struct VeachChains<'a, T: Traverse> {
-    tracer: Tracer<'a, T>,
-    /// Fewest and most edges of a path.
-    limits: [usize; 2],
-    /// Weights in the choice of a mutation.
-    weights: [f32; mutation::COUNT],
-    half_vectors: HalfVectorSettings,
-    seed: u32,
-    group: u32,
-    /// What the image is divided by.
-    expressions: Option<PathExpressions<'a>>,
-}
 
 /// A chain.
 pub struct VeachChain {
@@ -61,6 +22,8 @@ pub struct VeachChain {
     current: usize,
     /// Steps that the current path has yet to count for.
     pending: f32,
+    /// W of [`crate::transport::markov::annealing`].
+    weight: f32,
     number: u32,
     step: u32,
     last: StepRecord,
@@ -74,118 +37,7 @@ impl VeachChain {
     }
 }
 
-impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
-    /// Those of `group`, over paths of at least `min_edges` edges.
-    pub fn new(
-        view: &'a SceneView<'a, T>,
-        settings: &IntegratorSettings,
-        min_edges: u32,
-        seed: u32,
-        group: u32,
-    ) -> Self {
-        let rules = settings.rules;
-        let own = &settings.chains;
-        let hidden = if rules.hide_emitters != 0 { 2 } else { 1 };
-        VeachChains {
-            tracer: Tracer {
-                view,
-                rules,
-                beside: None,
-            },
-            limits: [
-                min_edges.max(hidden) as usize,
-                (rules.max_depth as usize).min(MAX_VERTICES - 1),
-            ],
-            weights: [
-                own.bidirectional_weight,
-                own.lens_weight,
-                own.caustic_weight,
-                own.multi_chain_weight,
-                own.manifold_weight,
-                own.half_vector_weight,
-            ],
-            half_vectors: HalfVectorSettings::new(own),
-            seed,
-            group,
-            expressions: None,
-        }
-    }
-
-    /// Beside path tracing, which keeps part of what it finds.
-    #[must_use]
-    pub fn beside(mut self, remainder: Option<Remainder>) -> Self {
-        self.tracer.beside = remainder;
-        self
-    }
-
-    /// Hands on what the choice of a remainder needs to know of the paths of a candidate.
-    pub fn probe(&self, candidate: u32, mut add: impl FnMut(Probe)) {
-        let tables = &self.tracer.view.tables;
-        self.candidate(candidate, |path, weight| {
-            if weight > 0.0 && weight < f32::MAX {
-                add(Probe {
-                    weight,
-                    luminance: path.luminance(),
-                    pdf: [0, 1].map(|s| path.strategy_pdf(tables, s, false)),
-                    edges: path.edges() as u32,
-                });
-            }
-        });
-    }
-
-    /// With an image for each path expression beside the whole. Where nothing counts but the paths of the first, those are the
-    /// image, and the others follow.
-    #[must_use]
-    pub fn divided(mut self, expressions: Option<PathExpressions<'a>>) -> Self {
-        self.expressions = expressions;
-        self
-    }
-
-    /// Adds F / I of a path times `factor` to the image and to its parts.
-    fn add_path(&self, path: &ChainPath, factor: f32, add: &mut impl FnMut(Splat)) {
-        let value = path.value * (factor / path.luminance());
-        let whole = Splat {
-            film: path.film,
-            value,
-            image: 0,
-        };
-        let Some(expressions) = &self.expressions else {
-            add(whole);
-            return;
-        };
-        let tables = &self.tracer.view.tables;
-        let mut bsdf = Bsdf::BLACK;
-        let shares = path.shares(tables, expressions, &mut bsdf);
-        if expressions.only == 0 {
-            add(whole);
-        }
-        if shares.is_none() {
-            return;
-        }
-        for part in 0..expressions.count {
-            let value = value * shares.of(part as usize);
-            if value.max_element() > 0.0 {
-                let image = part + 1 - expressions.only;
-                add(Splat {
-                    value,
-                    image,
-                    ..whole
-                });
-            }
-        }
-    }
-
-    /// All paths of a candidate that are long enough, with their weights.
-    fn candidate(&self, candidate: u32, mut add: impl FnMut(&ChainPath, f32)) {
-        let stream = |which: u32| FreshSamples::new(mix(self.seed ^ which), self.group, candidate);
-        let mut sensor = stream(stream::CANDIDATE_SENSOR);
-        let mut light = stream(stream::CANDIDATE_LIGHT);
-        candidate::paths(&self.tracer, &mut sensor, &mut light, |path, weight| {
-            let is_long = path.edges() >= self.limits[0];
-            add(path, if is_long { weight } else { 0.0 });
-        });
-    }
-
+impl<T: Traverse + Sync> VeachChains<'_, T> {
     /// Weights of the mutations that a path allows.
     fn allowed(&self, x: &ChainPath) -> [f32; mutation::COUNT] {
         let mut weights = self.weights;
@@ -198,7 +50,8 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         if caustic_start(&self.tracer, x).is_none() {
             weights[mutation::CAUSTIC] = 0.0;
         }
-        if x.edges() < 2 {
+        // Half vectors of a vertex that is blurred are no coordinates of it.
+        if x.edges() < 2 || x.is_blurred() {
             weights[mutation::MANIFOLD] = 0.0;
             weights[mutation::HALF_VECTOR] = 0.0;
         }
@@ -253,7 +106,8 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         };
         // A path whose light is too small or too large for a float has no reciprocal to count by.
         let light = y.luminance();
-        if !(ratio > 0.0 && light >= f32::MIN_POSITIVE && light < f32::INFINITY) {
+        let is_countable = light >= f32::MIN_POSITIVE && light < f32::INFINITY;
+        if !(ratio > 0.0 && is_countable && self.is_own(y)) {
             return 0.0;
         }
         let of_y = self.allowed(y);
@@ -264,6 +118,24 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
             acceptance.min(1.0)
         } else {
             0.0
+        }
+    }
+
+    /// Goes on with a smaller radius.
+    fn sharpen(&self, chain: &mut VeachChain, b: f32, add: &mut impl FnMut(Splat)) {
+        self.finish(chain, b, add);
+        let blurring = self.blurring(chain.step);
+        for path in &mut chain.paths {
+            path.blurring = blurring;
+        }
+        let path = &mut chain.paths[chain.current];
+        if path.is_blurred() && chain.weight > 0.0 {
+            let before = path.luminance();
+            let mut bsdf = Bsdf::BLACK;
+            let is_lit = self.tracer.evaluate(path, &mut bsdf);
+            let light = path.luminance();
+            let is_countable = is_lit && light >= f32::MIN_POSITIVE;
+            chain.weight *= if is_countable { light / before } else { 0.0 };
         }
     }
 }
@@ -280,6 +152,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             paths: [ChainPath::empty(), ChainPath::empty()],
             current: 0,
             pending: 0.0,
+            weight: 1.0,
             number,
             step: 0,
             last: StepRecord::default(),
@@ -293,11 +166,22 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             }
             index += 1;
         });
+        chain.paths[1].blurring = chain.paths[0].blurring;
         chain
     }
 
     fn step(&self, chain: &mut VeachChain, b: f32, add: &mut impl FnMut(Splat)) {
+        if self.annealing.changes_at(chain.step) {
+            self.sharpen(chain, b, add);
+        }
         chain.step += 1;
+        if !(chain.weight > 0.0) {
+            chain.last = StepRecord {
+                film: chain.current().film,
+                ..StepRecord::default()
+            };
+            return;
+        }
         let seed = mix(self.seed ^ stream::CHAIN).wrapping_add(self.group);
         let mut sampler = FreshSamples::new(seed, chain.number, chain.step);
         let mut bsdf = Bsdf::BLACK;
@@ -315,7 +199,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
                 film: chain.current().film,
                 ..StepRecord::default()
             };
-            chain.pending += 1.0;
+            chain.pending += chain.weight;
             return;
         }
         let before = chain.counts[kind].walks;
@@ -331,7 +215,8 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             ..chain.last
         };
         walks.accepted_jumps += u64::from(is_jump && u_accept < acceptance);
-        chain.pending += 1.0 - acceptance;
+        chain.pending += (1.0 - acceptance) * chain.weight;
+        let of_proposed = acceptance * chain.weight;
         let counts = &mut chain.counts[kind];
         counts.proposed += 1;
         counts.lit += u64::from(acceptance > 0.0);
@@ -340,9 +225,9 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             self.finish(chain, b, add);
             chain.current = 1 - chain.current;
             chain.half_vectors.accept();
-            chain.pending = acceptance;
+            chain.pending = of_proposed;
         } else if acceptance > 0.0 {
-            self.add_path(&chain.paths[1 - chain.current], acceptance * b, add);
+            self.add_path(&chain.paths[1 - chain.current], of_proposed * b, add);
         }
     }
 

@@ -3,6 +3,7 @@
 //! - [`bidirectional`]: part of the path is deleted and replaced by walks from both of its ends;
 //! - [`perturbation`]: the lens, multi-chain and caustic perturbations move some of the vertices a little;
 //! - [`candidate`]: paths from which chains start;
+//! - [`group`], [`chain`]: what a group of chains looks for, and the steps of a chain;
 //! - [`balance`]: what path tracing finds for them.
 //!
 //! A mutation is chosen among those that the path allows, in proportion to their weights; the probability of the choice is part of
@@ -14,9 +15,10 @@ pub mod balance;
 pub mod bidirectional;
 pub mod candidate;
 pub mod chain;
+pub mod group;
 pub mod perturbation;
 
-pub use chain::VeachChains;
+pub use group::VeachChains;
 
 use crate::path::whole::Path;
 

@@ -31,6 +31,14 @@ impl<const N: usize> Path<N> {
         self.joined != 0
     }
 
+    /// The vertex that is blurred.
+    #[inline]
+    pub fn blurred_vertex(&self) -> Option<usize> {
+        let s = self.joined;
+        let is_at = |i: usize| self.vertices[i].event == BLURRED;
+        (s != 0).then(|| if is_at(s) { s } else { s - 1 })
+    }
+
     /// Notes which edge a blurred vertex connects; says whether it is where it has to be.
     pub(super) fn find_joined(&mut self, tables: &Tables<'_>, rules: &PathRules) -> bool {
         self.joined = 0;

@@ -101,6 +101,7 @@ impl Batches {
     }
 
     /// The mean of several renderings, batch by batch.
+    #[allow(dead_code)] // Not all binaries have use for it.
     pub fn mean_of(all: &[Batches]) -> Batches {
         let mut rows = all[0].0.clone();
         for (batch, row) in rows.iter_mut().enumerate() {

@@ -62,6 +62,7 @@ fn mollified_chains_have_the_image_of_mollified_bidirectional_path_tracing() {
         direct_samples: 2,
         ..chains(ALL)
     };
+    let caustic = ("caustic", chains([0.0, 0.0, 1.0, 0.0]));
     let bidirectional = ("bidirectional", chains([1.0, 0.0, 0.0, 0.0]));
     let of_samples = [("pssmlt", chains(ALL))];
     let all = ("all", chains(ALL));
@@ -69,43 +70,28 @@ fn mollified_chains_have_the_image_of_mollified_bidirectional_path_tracing() {
         ("start", chains([0.0; 4])),
         bidirectional,
         ("lens", chains([0.0, 1.0, 0.0, 0.0])),
-        ("caustic", chains([0.0, 0.0, 1.0, 0.0])),
+        caustic,
         ("multi-chain", chains([0.0, 0.0, 0.0, 1.0])),
         all,
         ("all and those on manifolds", on_manifolds),
         ("all, direct illumination apart", apart),
         ("all, path tracing beside", beside),
     ];
+    let even = || mollified(POINT, DIFFUSE, "r0=0.3,kernel=constant,constant");
+    let coats = mollified(POINT, r#"<bsdf type="plastic"/>"#, "r0=0.4,constant");
+    let wide = "r0=0.8,constant";
     let sun = r#"<emitter type="directional"><vector name="direction" value="0.3, -1, -0.4"/>
         <rgb name="irradiance" value="3, 2, 1"/></emitter>"#;
-    let coated = r#"<bsdf type="plastic"/>"#;
-    let (even, smooth) = ("r0=0.3,kernel=constant,constant", "r0=0.4,constant");
+    let sun = mollified(sun, DIFFUSE, wide);
+    let mut deep = mollified(POINT, DIFFUSE, wide);
+    deep.settings.rules.max_depth = 5;
     let mut results = Vec::new();
     for (what, mut scene, kind, variants) in [
-        (
-            "even kernel",
-            mollified(POINT, DIFFUSE, even),
-            PRIMARY,
-            &of_samples[..],
-        ),
-        (
-            "even kernel",
-            mollified(POINT, DIFFUSE, even),
-            WHOLE,
-            &every,
-        ),
-        (
-            "coats",
-            mollified(POINT, coated, smooth),
-            WHOLE,
-            &[bidirectional, all],
-        ),
-        (
-            "sun",
-            mollified(sun, DIFFUSE, "r0=0.8,constant"),
-            WHOLE,
-            &[all],
-        ),
+        ("even kernel", even(), PRIMARY, &of_samples[..]),
+        ("even kernel", even(), WHOLE, &every),
+        ("coats", coats, WHOLE, &[bidirectional, all]),
+        ("sun", sun, WHOLE, &[all]),
+        ("caustic in a mirror", deep, WHOLE, &[caustic, all]),
     ] {
         let kinds = [BDPT, kind];
         results.extend(variants::agree_with(

@@ -3,7 +3,7 @@
 use super::ChainPath;
 use super::bidirectional::{self, Change};
 use super::group::{VeachChains, mutation, stream};
-use super::perturbation::{caustic_start, propose_from_light, propose_from_sensor, sensor_chain};
+use super::perturbation::{light_chain, propose_from_light, propose_from_sensor, sensor_chain};
 use crate::bsdf::Bsdf;
 use crate::sampler::{FreshSamples, Sampler, mix};
 use crate::scene::Traverse;
@@ -47,7 +47,7 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
         } else {
             weights[mutation::MULTI_CHAIN] = 0.0;
         }
-        if caustic_start(&self.tracer, x).is_none() {
+        if light_chain(&self.tracer, x).is_none() {
             weights[mutation::CAUSTIC] = 0.0;
         }
         // Half vectors of a vertex that is blurred are no coordinates of it.
@@ -90,8 +90,8 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
                 }
                 back.density(tracer, x, y.edges(), self.limits) / density
             }
-            mutation::CAUSTIC => match caustic_start(tracer, x) {
-                Some(start) => propose_from_light(tracer, x, start, y, bsdf, sampler),
+            mutation::CAUSTIC => match light_chain(tracer, x) {
+                Some(moved) => propose_from_light(tracer, x, moved, y, bsdf, sampler),
                 None => 0.0,
             },
             mutation::MANIFOLD => {

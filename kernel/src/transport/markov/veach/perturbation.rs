@@ -7,6 +7,9 @@
 //! | multi-chain | the same, and the direction at each vertex that discrete events follow | until such a vertex is followed by another |
 //! | caustic | the direction at the vertex before the discrete events nearest the sensor | through them to the vertex that the lens sees |
 //!
+//! Of a path with a blurred vertex the caustic perturbation moves the end of the discrete events before that, or the blurred
+//! vertex itself if it is such an end: without that nothing would move a caustic that is seen in a blurred mirror.
+//!
 //! The film position moves by r = r2 exp(-ln(r2 / r1) u) pixels in an even direction, r1 = 0.1, r2 = sqrt(0.05 W H / pi), a direction by
 //! an angle of the same law; both densities are the same both ways,
 //!
@@ -67,18 +70,35 @@ pub fn sensor_chain(x: &ChainPath) -> SensorChain {
     SensorChain { last: j, turns }
 }
 
-/// The vertex whose direction the caustic perturbation moves, if it can.
-pub fn caustic_start<T: Traverse>(tracer: &Tracer<'_, T>, x: &ChainPath) -> Option<usize> {
+/// The vertices that the caustic perturbation moves: it turns the direction at `start`, and `end` is connected anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightChain {
+    /// Stays where it is.
+    pub start: usize,
+    /// The last vertex that moves.
+    pub end: usize,
+}
+
+/// Those of a path, if there are any.
+pub fn light_chain<T: Traverse>(tracer: &Tracer<'_, T>, x: &ChainPath) -> Option<LightChain> {
     let k = x.edges();
-    if k < 3 || !x.vertices[k - 1].is_smooth() || x.vertices[k - 2].is_smooth() {
+    let is_smooth = |i: usize| x.vertices[i].is_smooth();
+    let end = match x.blurred_vertex() {
+        None => k - 1,
+        Some(i) if i > 1 && is_smooth(i - 1) => i - 1,
+        Some(i) => i,
+    };
+    let joins = is_smooth(end) && (end + 1 == k || is_smooth(end + 1));
+    if end < 2 || !joins || is_smooth(end - 1) {
         return None;
     }
-    let mut l = k - 2;
-    while l > 0 && !x.vertices[l].is_smooth() {
-        l -= 1;
+    let mut start = end - 1;
+    while start > 0 && !is_smooth(start) {
+        start -= 1;
     }
     // Light from infinity has no position to turn about.
-    (l > 0 || !x.is_infinite(&tracer.view.tables)).then_some(l)
+    let is_somewhere = start > 0 || !x.is_infinite(&tracer.view.tables);
+    is_somewhere.then_some(LightChain { start, end })
 }
 
 /// Whether discrete events between the vertices `from` and `to` can be taken again.
@@ -222,17 +242,17 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
 pub fn propose_from_light<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
     x: &ChainPath,
-    start: usize,
+    chain: LightChain,
     y: &mut ChainPath,
     bsdf: &mut Bsdf,
     sampler: &mut S,
 ) -> f32 {
     let tables = &tracer.view.tables;
-    let k = x.edges();
-    if !events_are_unique(x, start + 1, k) {
+    let LightChain { start, end } = chain;
+    if !events_are_unique(x, start + 1, end) {
         return 0.0;
     }
-    let angles = caustic_angles(tracer, x, start);
+    let angles = caustic_angles(tracer, x, chain);
     let old = x.next_direction(start);
     let direction = turned(old, angles, sampler.next_2d());
     y.clone_from(x);
@@ -242,7 +262,7 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
     } else {
         x.vertices[start].point.spawn(direction)
     };
-    for j in start + 1..k {
+    for j in start + 1..=end {
         let arrival = tracer.trace(&ray, false, sampler);
         let Some(point) = arrival.point else {
             return 0.0;
@@ -251,7 +271,7 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
         vertex.event = x.vertices[j].event;
         vertex.transmittance = arrival.edge.transmittance;
         vertex.pass = arrival.edge.pass;
-        if j + 1 < k {
+        if j < end {
             match repeat_event(tracer, &vertex, -ray.direction, bsdf) {
                 Some(next) => ray = next,
                 None => return 0.0,
@@ -259,27 +279,27 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
         }
         append_from_light(y, vertex);
     }
-    y.vertices.push(x.vertices[k]);
-    if !join(tracer, y, k - 1) || !tracer.evaluate(y, bsdf) || !events_are_unique(y, start + 1, k) {
+    y.vertices.extend(x.vertices[end + 1..].iter().copied());
+    if !join(tracer, y, end) || !tracer.evaluate(y, bsdf) || !events_are_unique(y, start + 1, end) {
         return 0.0;
     }
     // Not proposed the other way round if the angle is none of y's.
     let angle = angle_between(old, direction);
-    let back = caustic_angles(tracer, y, start);
+    let back = caustic_angles(tracer, y, chain);
     if !(angle >= back[0] && angle <= back[1]) {
         return 0.0;
     }
     let target = |path: &ChainPath| {
         let mut ratios = 1.0;
         let mut walked = 1.0;
-        for j in start..k - 1 {
+        for j in start..end {
             walked *= path.vertices[j].pass * path.vertices[j + 1].stop;
             if j > start {
                 ratios *= path.light_ratio(j);
             }
         }
-        let end = &path.vertices[k - 1].point;
-        let arriving = float::abs(end.geometric_normal.dot(path.previous_direction(k - 1)));
+        let normal = path.vertices[end].point.geometric_normal;
+        let arriving = float::abs(normal.dot(path.previous_direction(end)));
         let leaving = if start == 0 && path.vertices[0].point.emitter == NONE {
             1.0
         } else {
@@ -287,7 +307,7 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
             float::abs(normal.dot(path.next_direction(start)))
         };
         let turns = ratios * arriving / leaving;
-        path.luminance() / (path.solid_angle_per_area(tables, k - 1) * turns * walked)
+        path.luminance() / (path.solid_angle_per_area(tables, end) * turns * walked)
     };
     ratio(target(y), target(x))
 }
@@ -297,14 +317,18 @@ fn angle_between(a: Vec3, b: Vec3) -> f32 {
     float::atan2(a.cross(b).length(), a.dot(b))
 }
 
-/// Angles of the caustic perturbation at vertex `start`.
-fn caustic_angles<T: Traverse>(tracer: &Tracer<'_, T>, path: &ChainPath, start: usize) -> [f32; 2] {
+/// Angles of the caustic perturbation.
+fn caustic_angles<T: Traverse>(
+    tracer: &Tracer<'_, T>,
+    path: &ChainPath,
+    LightChain { start, end }: LightChain,
+) -> [f32; 2] {
     let camera = &tracer.view.tables.camera;
     let k = path.edges();
     let distance =
         |i: usize| (path.vertices[i + 1].point.position - path.vertices[i].point.position).length();
-    let from_lens = distance(k - 1);
-    let from_start: f32 = (start..k - 1).map(distance).sum();
+    let from_lens: f32 = (end..k).map(distance).sum();
+    let from_start: f32 = (start..end).map(distance).sum();
     let per_pixel = 2.0 * camera.tan_half_width / camera.film_size[0] as f32;
     let scale = per_pixel * from_lens / from_start;
     film_steps(camera.crop_size).map(|r| {

@@ -1,6 +1,6 @@
 //! Arguments of what looks at recorded paths.
 
-use super::scene_args::parse_numbers;
+use super::scene_args::{check_window, parse_numbers};
 use crate::expression::PathParts;
 use crate::inspect::paths::Places;
 use crate::inspect::paths::bundle::bundles;
@@ -72,6 +72,9 @@ impl PathArgs {
         samples: u32,
         seed: u32,
     ) -> Result<PathRecord, Box<dyn Error + Send + Sync>> {
+        if let Some(window) = self.pixels {
+            check_window(window, scene)?;
+        }
         let Some(path) = &self.paths else {
             let choice = Choice {
                 most: self.record_count as usize,

@@ -1,6 +1,6 @@
 //! Arguments of the record of paths.
 
-use super::scene_args::parse_numbers;
+use super::scene_args::{check_window, parse_numbers};
 use crate::accel::Accel;
 use crate::expression::{PartsRequest, PathParts};
 use crate::inspect::record::{Choice, record};
@@ -44,6 +44,9 @@ impl RecordArgs {
     pub(super) fn parts(&self, scene: &Scene) -> Result<PathParts, Box<dyn Error + Send + Sync>> {
         if self.record.is_some() && !scene.edits.is_empty() {
             return Err("--record writes paths as they are, without edits".into());
+        }
+        if let Some(window) = self.record_pixels {
+            check_window(window, scene)?;
         }
         let request = PartsRequest {
             layers: Vec::new(),

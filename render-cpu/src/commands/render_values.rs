@@ -45,7 +45,7 @@ pub(super) fn parse_exposure(text: &str) -> Result<Exposure, String> {
         .ok()
         .filter(|ev: &f32| ev.abs() <= 64.0)
         .map(Exposure::Stops)
-        .ok_or_else(|| "expected a number of stops or \"auto\"".to_string())
+        .ok_or_else(|| "expected a number of stops from -64 to 64, or \"auto\"".to_string())
 }
 
 /// Hours, minutes and seconds: "1h30m", "90s", "45".

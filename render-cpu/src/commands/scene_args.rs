@@ -137,6 +137,24 @@ pub(super) fn parse_numbers<const N: usize>(
     }
 }
 
+/// Makes sure that some of the pixels X, Y, W, H of the whole image are in the image that is rendered.
+///
+/// # Errors
+/// If none are.
+pub(super) fn check_window([x, y, w, h]: [u32; 4], scene: &Scene) -> Result<(), String> {
+    let camera = &scene.tables.camera;
+    let ([left, top], [width, height]) = (camera.crop_offset, camera.crop_size);
+    let meet = |a: u32, a_length: u32, b: u32, b_length: u32| {
+        a_length > 0 && a < b + b_length && b < a.saturating_add(a_length)
+    };
+    if meet(x, w, left, width) && meet(y, h, top, height) {
+        return Ok(());
+    }
+    Err(format!(
+        "the pixels {x},{y},{w},{h} are not in the image, {left},{top},{width},{height}"
+    ))
+}
+
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
     parse_numbers(text, &['x', 'X'], "WIDTHxHEIGHT")
 }

@@ -1,7 +1,7 @@
 //! What the commands of both front ends share on a terminal: verbosity, and the report of an error.
 
 use crate::say::{Notes, note};
-use clap::{Args, Command, CommandFactory, FromArgMatches};
+use clap::{Args, Parser};
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -19,22 +19,31 @@ pub struct Verbosity {
     pub verbose: u8,
 }
 
-/// Reads a command line. What follows an option may be a negative number: of one that cannot be, the option says so itself.
-pub fn parse<C: CommandFactory + FromArgMatches>(arguments: Vec<OsString>) -> C {
-    let matches = with_negative_numbers(C::command()).get_matches_from(arguments);
-    C::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+/// Reads a command line. What follows an option may be negative, as `-1` or `-5s`: of one that cannot be, the option says so itself.
+pub fn parse<C: Parser>(arguments: Vec<OsString>) -> C {
+    C::parse_from(with_negative_values(arguments))
 }
 
-fn with_negative_numbers(command: Command) -> Command {
-    command
-        .mut_args(|argument| {
-            let is_option = !argument.is_positional() && argument.get_action().takes_values();
-            match is_option && !argument.is_allow_hyphen_values_set() {
-                true => argument.allow_negative_numbers(true),
-                false => argument,
+/// The arguments with `--option=-1` for `--option -1`.
+fn with_negative_values(arguments: Vec<OsString>) -> Vec<OsString> {
+    let is_option = |word: &str| word.len() > 2 && word.starts_with("--") && !word.contains('=');
+    let is_negative = |word: &str| {
+        let number = word.strip_prefix('-').unwrap_or_default();
+        number.starts_with(|c: char| c.is_ascii_digit() || c == '.')
+    };
+    let end = arguments.iter().position(|word| word == "--");
+    let mut joined: Vec<OsString> = Vec::new();
+    for (i, word) in arguments.into_iter().enumerate() {
+        let is_value = end.is_none_or(|end| i < end) && is_negative(&word.to_string_lossy());
+        match joined.last_mut() {
+            Some(last) if is_value && is_option(&last.to_string_lossy()) => {
+                last.push("=");
+                last.push(word);
             }
-        })
-        .mut_subcommands(with_negative_numbers)
+            _ => joined.push(word),
+        }
+    }
+    joined
 }
 
 /// Runs a command; an error becomes one line on standard error and exit code 1.
@@ -79,4 +88,29 @@ fn wants_colours() -> bool {
     let is_refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let is_dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
     std::io::stderr().is_terminal() && !is_refused && !is_dumb
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn negative_values_belong_to_their_options() {
+        let joined = |words: &[&str]| {
+            let words = words.iter().map(OsString::from).collect();
+            with_negative_values(words).join(&OsString::from(" "))
+        };
+        for (words, expected) in [
+            (&["h", "--min", "-1", "s.xml"][..], "h --min=-1 s.xml"),
+            (&["h", "--crop", "-1,0,2,2"], "h --crop=-1,0,2,2"),
+            (&["h", "--time", "-.5s", "-o", "x"], "h --time=-.5s -o x"),
+            (&["h", "--spp=3", "-1"], "h --spp=3 -1"),
+            (&["h", "-v", "-1"], "h -v -1"),
+            (&["h", "--strict", "-o", "x"], "h --strict -o x"),
+            (&["h", "--strict", "--", "-1.xml"], "h --strict -- -1.xml"),
+            (&["h", "--strict", "-"], "h --strict -"),
+        ] {
+            assert_eq!(joined(words), expected);
+        }
+    }
 }

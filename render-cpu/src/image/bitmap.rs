@@ -321,7 +321,7 @@ fn from_exr(exr: &ExrImage, channel: Option<Channel>, file: &Path) -> Result<Bit
         let data = alpha.iter().flat_map(|&a| [a; 3]).collect();
         return Ok(of_floats(data, exr.width, exr.height, None));
     }
-    let Some(planes) = color_planes(exr) else {
+    let Some((layer, planes)) = color_planes(exr) else {
         let names: Vec<&str> = exr.channels.iter().map(|(name, _)| name.as_str()).collect();
         let what = format!("an image with the channels {}", names.join(", "));
         return Err(ImageError::unsupported(file, what));
@@ -333,10 +333,22 @@ fn from_exr(exr: &ExrImage, channel: Option<Channel>, file: &Path) -> Result<Bit
     }
     let mut bitmap = of_floats(data, exr.width, exr.height, channel);
     bitmap.warnings.extend(exr.warnings.iter().cloned());
+    if let Some(layer) = layer
+        && exr
+            .channels
+            .iter()
+            .any(|(name, _)| !name.starts_with(layer))
+    {
+        bitmap.warnings.push(format!(
+            "there are several layers and none without a name; \"{}\" is read",
+            layer.trim_end_matches('.')
+        ));
+    }
     Ok(bitmap)
 }
 
-fn color_planes(exr: &ExrImage) -> Option<[&[f32]; 3]> {
+/// The planes, and the layer with its dot if it has a name.
+fn color_planes(exr: &ExrImage) -> Option<(Option<&str>, [&[f32]; 3])> {
     let of_layer = |layer: &str| {
         let plane = |name: &str| exr.channel(&format!("{layer}{name}"));
         if let (Some(r), Some(g), Some(b)) = (plane("R"), plane("G"), plane("B")) {
@@ -352,11 +364,11 @@ fn color_planes(exr: &ExrImage) -> Option<[&[f32]; 3]> {
     });
     std::iter::once("")
         .chain(layers)
-        .find_map(of_layer)
+        .find_map(|layer| Some(((!layer.is_empty()).then_some(layer), of_layer(layer)?)))
         .or_else(|| {
             let mut colors = exr.channels.iter().filter(|(name, _)| name != "A");
             match (colors.next(), colors.next()) {
-                (Some((_, only)), None) => Some([only; 3]),
+                (Some((_, only)), None) => Some((None, [only.as_slice(); 3])),
                 _ => None,
             }
         })

@@ -73,19 +73,27 @@ pub enum SourceError {
 /// # Errors
 /// When there is none.
 pub fn find(name: &str, id: Option<&str>) -> Result<Source, SourceError> {
-    if let Some(example) = EXAMPLES.iter().find(|e| e.name.eq_ignore_ascii_case(name)) {
-        return Ok(inline(example.name, example.bsdf));
-    }
     let path = Path::new(name);
+    // What is no scene has no ids.
+    let alone = |source: Source| match id {
+        None => Ok(source),
+        Some(id) => Err(SourceError::NoBsdf {
+            file: path.to_owned(),
+            id: Some(id.to_owned()),
+        }),
+    };
+    if let Some(example) = EXAMPLES.iter().find(|e| e.name.eq_ignore_ascii_case(name)) {
+        return alone(inline(example.name, example.bsdf));
+    }
     if path.is_file() {
         let has_extension = |wanted: &str| {
             path.extension()
                 .is_some_and(|e| e.eq_ignore_ascii_case(wanted))
         };
         return if has_extension("binary") {
-            measured(path, "merl")
+            alone(measured(path, "merl")?)
         } else if has_extension("bsdf") {
-            measured(path, "measured")
+            alone(measured(path, "measured")?)
         } else {
             scene_bsdf(path, id)
         };
@@ -95,7 +103,7 @@ pub fn find(name: &str, id: Option<&str>) -> Result<Source, SourceError> {
             "<bsdf type=\"roughconductor\"><string name=\"material\" value=\"{}\"/></bsdf>",
             escaped(name)
         );
-        return Ok(inline(name, &bsdf));
+        return alone(inline(name, &bsdf));
     }
     let known = EXAMPLES
         .iter()

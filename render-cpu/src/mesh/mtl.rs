@@ -41,7 +41,7 @@ pub struct MtlMaterial {
     bump_map: Option<Map>,
 }
 
-/// The materials of a library, in the order of the file.
+/// The materials of a library, in the order of the file; of several with one name the last.
 pub fn read(bytes: &[u8]) -> Vec<MtlMaterial> {
     let bytes = plain(bytes);
     let mut lines = Lines::new(&bytes);
@@ -52,7 +52,14 @@ pub fn read(bytes: &[u8]) -> Vec<MtlMaterial> {
         let (keyword, rest) = line.split_at(end.unwrap_or(line.len()));
         let rest = rest.trim_ascii();
         if keyword.eq_ignore_ascii_case(b"newmtl") {
-            materials.push(MtlMaterial::new(&String::from_utf8_lossy(rest), number));
+            let name = String::from_utf8_lossy(rest);
+            let mut material = MtlMaterial::new(&name, number);
+            if let Some(place) = materials.iter().position(|m| m.name == name) {
+                let what = "it is defined twice; this is the one that counts".to_owned();
+                material.warnings.push((number, what));
+                materials.remove(place);
+            }
+            materials.push(material);
         } else if let Some(material) = materials.last_mut() {
             material.set(&String::from_utf8_lossy(keyword), rest, number);
         }
@@ -95,11 +102,13 @@ impl MtlMaterial {
                     None => rest,
                 };
                 value(keyword, rest, &mut self.opacity, &mut said);
+                self.clamp_opacity(keyword, &mut said);
             }
             "tr" => {
                 let mut transparency = 1.0 - self.opacity;
                 value(keyword, rest, &mut transparency, &mut said);
                 self.opacity = 1.0 - transparency;
+                self.clamp_opacity(keyword, &mut said);
             }
             "illum" => {
                 let mut model = self.model as f32;
@@ -128,6 +137,13 @@ impl MtlMaterial {
         }
         self.warnings
             .extend(said.into_iter().map(|what| (line, what)));
+    }
+
+    fn clamp_opacity(&mut self, keyword: &str, said: &mut Vec<String>) {
+        if !(0.0..=1.0).contains(&self.opacity) {
+            said.push(format!("{keyword} is clamped to [0, 1]"));
+            self.opacity = self.opacity.clamp(0.0, 1.0);
+        }
     }
 
     /// Its maps, which may be taken away.
@@ -179,8 +195,7 @@ impl MtlMaterial {
             bsdf = format!("<bsdf type=\"bumpmap\">{scale}{texture}{bsdf}</bsdf>");
         }
         if self.opacity < 1.0 || self.opacity_map.is_some() {
-            let opacity = self.opacity.clamp(0.0, 1.0);
-            let opacity = value("opacity", [opacity; 3], &self.opacity_map);
+            let opacity = value("opacity", [self.opacity; 3], &self.opacity_map);
             bsdf = format!("<bsdf type=\"mask\">{opacity}{bsdf}</bsdf>");
         }
         bsdf
@@ -271,6 +286,18 @@ mod tests {
     }
 
     #[test]
+    fn of_two_materials_with_a_name_the_last_counts() {
+        let materials = read(b"newmtl a\nKd 1 0 0\nPr 1\nnewmtl b\nnewmtl a\nKd 0 1 0\n");
+        let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
+        assert_eq!(names, ["b", "a"]);
+        assert!(materials[1].bsdf().contains("\"0 1 0\""));
+        let [(5, what)] = &materials[1].warnings[..] else {
+            panic!("{:?}", materials[1].warnings);
+        };
+        assert!(what.contains("twice"), "{what}");
+    }
+
+    #[test]
     fn what_is_not_read_is_said() {
         // What changes nothing is not worth a word.
         let silent = "newmtl a\nKa 1 1 1\nKe 0 0 0\nTf 1 1 1\nNi 1.5\nmap_Kd -blendu on a.png\n\n";
@@ -288,6 +315,8 @@ mod tests {
             ("Kd 2 0 0", "clamped"),
             ("d -halo 0.5", "halo"),
             ("d half", "no number"),
+            ("d 2", "d is clamped"),
+            ("Tr -0.5", "Tr is clamped"),
             ("illum 12", "no model 12"),
             ("map_Kd -mm 0.5 1 a.png", "-mm 0.5 1"),
             ("map_Kd", "names no file"),

@@ -5,7 +5,8 @@ use super::text::number;
 /// The index of a corner: a whole number, which some programs write with a fraction of zero.
 pub(super) fn index(word: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(word).ok()?;
-    let whole = |x: &f64| x.fract() == 0.0 && x.abs() < 1e15;
+    // What is too large for a number of an element is none either way.
+    let whole = |x: &f64| x.fract() == 0.0;
     let fraction = || text.parse().ok().filter(whole).map(|x| x as i64);
     text.parse().ok().or_else(fraction)
 }

@@ -65,9 +65,22 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
                     .push(format!("{} lines are left out", element.count));
                 skip(element, &mut values)
             }
-            _ => skip(element, &mut values),
+            name => {
+                // A view of MeshLab, which no renderer wants.
+                if element.count > 0 && !matches!(name, "camera" | "vertex" | "face") {
+                    mesh.warnings
+                        .push(format!("the element \"{name}\" is not read"));
+                }
+                skip(element, &mut values)
+            }
         };
         result.map_err(|what| MeshError::malformed(file, values.location(), what))?;
+    }
+    if values.rest() > 0 {
+        mesh.warnings.push(format!(
+            "{} bytes are left after all that the header announces, and are not read",
+            values.rest()
+        ));
     }
     if is_backwards {
         values = Values::after(&header, bytes);

@@ -30,6 +30,18 @@ impl<'a> Values<'a> {
         }
     }
 
+    /// The number of bytes that nothing has read, but for blanks and zeros that pad a file.
+    pub(super) fn rest(&self) -> usize {
+        let rest = self.bytes.get(self.position..).unwrap_or_default();
+        let is_padding = |b: &u8| b.is_ascii_whitespace() || *b == 0;
+        let end = rest.iter().rposition(|b| !is_padding(b));
+        let start = rest.iter().position(|b| !is_padding(b));
+        match (start, end) {
+            (Some(start), Some(end)) => end + 1 - start,
+            _ => 0,
+        }
+    }
+
     /// Fails unless the rest of the file can hold `count` rows; the one guard before memory is reserved.
     pub(super) fn check_room(&self, element: &Element) -> Result<usize, String> {
         let rest = (self.bytes.len() - self.position) as u64;

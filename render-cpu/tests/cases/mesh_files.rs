@@ -160,6 +160,73 @@ fn ply_files_as_programs_write_them() {
 }
 
 #[test]
+fn what_is_left_of_a_ply_file_is_said() {
+    let one = "element face 1\nproperty list uchar int vertex_indices\n";
+    let rows = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let binary = |rest: &[u8]| {
+        let mut bytes = String::from_utf8(ply(one, ""))
+            .expect("text")
+            .replace("ascii", "binary_little_endian")
+            .into_bytes();
+        for x in [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+            bytes.extend(x.to_le_bytes());
+        }
+        bytes.push(3);
+        bytes.extend([0_i32, 1, 2].iter().flat_map(|i| i.to_le_bytes()));
+        [&bytes, rest].concat()
+    };
+    let with_material = format!("element material 1\nproperty float shine\n{one}");
+    let with_camera = format!("{one}element camera 1\nproperty float view_px\n");
+    let material_rows = "0 0 0\n1 0 0\n0 1 0\n0.5\n3 0 1 2\n";
+    let files = Files::new(&[
+        ("plain.ply", &ply(one, rows)),
+        ("more.ply", &ply(one, &format!("{rows}3 0 2 1\n"))),
+        ("blank.ply", &ply(one, &format!("{rows}\n \r\n"))),
+        ("binary.ply", &binary(b"")),
+        ("padded.ply", &binary(b"\n\0\0")),
+        ("long.ply", &binary(b"\x03\0\0\0")),
+        ("material.ply", &ply(&with_material, material_rows)),
+        ("camera.ply", &ply(&with_camera, &format!("{rows}0.5\n"))),
+    ]);
+    let plain = files.clean("3.0.0", &shape("ply", "plain.ply", ""));
+    for file in ["blank.ply", "binary.ply", "padded.ply", "camera.ply"] {
+        assert_eq!(
+            files.clean("3.0.0", &shape("ply", file, "")),
+            plain,
+            "{file}"
+        );
+    }
+    for (file, words) in [
+        ("more.ply", "7 bytes are left"),
+        ("long.ply", "1 bytes are left"),
+        ("material.ply", "the element \"material\" is not read"),
+    ] {
+        assert_eq!(files.warned("3.0.0", &shape("ply", file, ""), words), plain);
+    }
+}
+
+#[test]
+fn indices_beyond_all_numbers_leave_out_their_face() {
+    let cube = format!("{CUBE}{BOTTOM}{TOP}");
+    let files = Files::new(&[
+        ("plain.obj", cube.as_bytes()),
+        (
+            "far.obj",
+            format!("{cube}f 1 2 99999999999999999999\n").as_bytes(),
+        ),
+        (
+            "below.obj",
+            format!("{cube}f 1 2 -99999999999999999999\n").as_bytes(),
+        ),
+    ]);
+    let plain = files.clean("3.0.0", &shape("obj", "plain.obj", FLAT));
+    for file in ["far.obj", "below.obj"] {
+        let found = files.warned("3.0.0", &shape("obj", file, FLAT), "1 faces name vertices");
+        assert_eq!(found, plain);
+    }
+}
+
+#[test]
 fn one_shape_of_an_obj_file() {
     // As Mitsuba 0.6 counts: a line of a group or a material begins a shape, once there are faces.
     let many = format!(

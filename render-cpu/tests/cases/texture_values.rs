@@ -54,6 +54,67 @@ fn one_pattern_may_be_light_and_a_reflectance() {
 }
 
 #[test]
+fn light_is_not_negative() {
+    let files = Files::new(&[
+        ("grey.exr", &exr([0.5, 0.5, 0.5, 1.0])),
+        ("negative.exr", &exr([0.5, -0.25, 0.5, 1.0])),
+    ]);
+    let alone = |content: &str| {
+        let text = format!(r#"<scene version="3.0.0">{SENSOR}{content}</scene>"#);
+        let scene = files.load(text.as_bytes(), false).expect("a scene");
+        let warnings: Vec<String> = scene.warnings.iter().map(ToString::to_string).collect();
+        warnings.join("\n")
+    };
+    let image = |file: &str, scale: &str| {
+        format!(
+            r#"<emitter type="envmap"><string name="filename" value="{file}"/><float name="scale" value="{scale}"/></emitter>"#
+        )
+    };
+    assert_eq!(alone(&image("grey.exr", "2")), "");
+    let cannot = "light cannot be negative";
+    assert!(alone(&image("grey.exr", "-1")).contains(cannot));
+    assert!(alone(&image("negative.exr", "1")).contains("go down to -0.25"));
+    for name in ["scale", "sun_scale", "sky_scale"] {
+        let sky = format!(r#"<emitter type="sunsky"><float name="{name}" value="-1"/></emitter>"#);
+        assert!(alone(&sky).contains(cannot), "{name}");
+    }
+}
+
+#[test]
+fn of_several_layers_the_one_that_is_read_is_said() {
+    use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, WritableImage};
+    let image = |names: &[&str]| {
+        let channel = |name: &&str| AnyChannel::new(*name, FlatSamples::F32(vec![0.5; 4]));
+        let channels = AnyChannels::sort(names.iter().map(channel).collect());
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        Image::from_channels((2, 2), channels)
+            .write()
+            .to_buffered(&mut bytes)
+            .expect("an image");
+        bytes.into_inner()
+    };
+    let files = Files::new(&[
+        (
+            "two.exr",
+            &image(&["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"]),
+        ),
+        ("one.exr", &image(&["a.R", "a.G", "a.B"])),
+        ("main.exr", &image(&["R", "G", "B", "b.R", "b.G", "b.B"])),
+    ]);
+    let wall = |file: &str| {
+        format!(
+            r#"<shape type="rectangle"><bsdf type="diffuse"><texture name="reflectance" type="bitmap"><string name="filename" value="{file}"/></texture></bsdf></shape>"#
+        )
+    };
+    let one = files.clean("3.0.0", &wall("one.exr"));
+    assert_eq!(files.clean("3.0.0", &wall("main.exr")), one);
+    assert_eq!(
+        files.warned("3.0.0", &wall("two.exr"), "\"a\" is read"),
+        one
+    );
+}
+
+#[test]
 fn bitmaps_beyond_what_they_are_used_as_are_said() {
     let files = Files::new(&[
         ("negative.exr", &exr([0.5, -0.25, 0.5, 1.0])),

@@ -31,7 +31,6 @@ fn declarations_comments_and_ampersands() {
         plain.replace("id=\"grey\"", "id=\"a&nbsp;b&c;\""),
         plain.replace("id=\"grey\"", "id=\"a<b>c\""),
         plain.replace("type=\"diffuse\" id", "type=\"diffuse\"id"),
-        plain.replace("</shape>", "</shape> & more "),
         plain.replace('\n', "\r\n"),
     ] {
         same(scene.as_bytes());
@@ -150,4 +149,27 @@ fn places_stay_those_of_the_file() {
     let scene = "\n<?xml version=\"1.0\"?>\n<!-- a -- b\n-->\n<scene version=\"3.0.0\">\n  <blub/>\n</scene>";
     let error = files.load(scene.as_bytes(), true).unwrap_err();
     assert!(error.contains("scene.xml:6:3: <blub>"), "{error}");
+}
+
+#[test]
+fn text_between_elements_is_said() {
+    let files = Files::new(&[]);
+    let without = files.clean("3.0.0", r#"<shape type="sphere"/>"#);
+    for content in [
+        r#"<shape type="sphere">radius 2</shape>"#,
+        r#"radius 2<shape type="sphere"/>"#,
+        "<shape type=\"sphere\">\n<![CDATA[ radius 2 ]]></shape>",
+    ] {
+        let words = "left out: \"radius 2\"";
+        assert_eq!(files.warned("3.0.0", content, words), without);
+    }
+    let content = r#"<shape type="sphere"/> & more "#;
+    assert_eq!(
+        files.warned("3.0.0", content, "left out: \"& more\""),
+        without
+    );
+    let error = files
+        .load(text("3.0.0", "\n\n  lost").as_bytes(), true)
+        .expect_err("strictly an error");
+    assert!(error.contains("scene.xml:9:3: text"), "{error}");
 }

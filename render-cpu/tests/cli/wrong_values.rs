@@ -72,6 +72,14 @@ fn negative_numbers_are_values() {
             "expected a number above zero",
         ),
         (
+            vec!["scene.xml", "--time", "-5s"],
+            "expected a time such as",
+        ),
+        (
+            vec!["scene.xml", "--crop", "-1,0,2,2"],
+            "for '--crop <X,Y,W,H>'",
+        ),
+        (
             vec!["material", "diffuse", "--spp", "-3"],
             "invalid value '-3' for '--spp",
         ),
@@ -156,4 +164,61 @@ fn two_runs_do_not_share_a_checkpoint() {
     let text = refused(&place, &["scene.xml", "--resume", "nothing", "-o", "a.exr"]);
     assert!(!text.contains("in use"), "{text}");
     assert_eq!(place.files(), ["a.exr", "a.png", "c", "scene.xml"]);
+}
+
+#[test]
+fn what_an_option_cannot_choose_is_said() {
+    let place = Place::with_scene();
+    for (arguments, part) in [
+        (
+            &["scene.xml", "--record", "r", "--record-pixels", "24,0,9,9"][..],
+            "the pixels 24,0,9,9 are not in the image, 0,0,24,16",
+        ),
+        (
+            &[
+                "inspect",
+                "scene.xml",
+                "--tool",
+                "paths",
+                "--pixels",
+                "0,0,0,4",
+                "-o",
+                "p.png",
+            ],
+            "the pixels 0,0,0,4 are not in the image",
+        ),
+        (
+            &["material", "diffuse", "--id", "x", "-o", "m.png"],
+            "diffuse: no bsdf with the id \"x\"",
+        ),
+        (&["scene.xml", "--exposure", "100"], "from -64 to 64"),
+    ] {
+        let text = refused(&place, arguments);
+        assert!(text.contains(part), "{arguments:?}: {text}");
+    }
+    assert_eq!(place.files(), ["scene.xml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_what_has_nothing_to_write() {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+    let place = Place::with_scene();
+    // Standard input that does not end is a scene that loads forever.
+    let mut process = place
+        .command(&["-", "-o", "a.exr"])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the command runs");
+    std::thread::sleep(Duration::from_millis(300));
+    // SAFETY: it is our own child, which has not been waited for.
+    unsafe { libc::kill(process.id() as libc::pid_t, libc::SIGINT) };
+    let start = Instant::now();
+    while process.try_wait().expect("a child").is_none() {
+        assert!(start.elapsed() < Duration::from_secs(20), "it goes on");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(place.files(), ["scene.xml"]);
 }

@@ -47,13 +47,36 @@ impl Builder {
             factor = r.max(g).max(b);
             texture = self.tables.textures.get(texture.color0.texture as usize)?;
         }
+        if texture.kind != texture_kind::BITMAP {
+            return None;
+        }
         let [first, width, height, format, ..] = texture.data;
-        if texture.kind != texture_kind::BITMAP || format != texel_format::RGB32F {
+        let range = self.range_of_texels([first, width, height, format])?;
+        Some(range.map(|v| factor * v))
+    }
+
+    /// Says if light of an image is negative.
+    pub(super) fn say_if_negative(
+        &self,
+        object: &Object,
+        texels: [u32; 4],
+    ) -> Result<(), SceneError> {
+        match self.range_of_texels(texels) {
+            Some([least, _]) if least < 0.0 => object.warn(format!(
+                "the values go down to {least}; what is negative counts as 0"
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// The least and the largest value of texels of floats: first word, width, height and format.
+    fn range_of_texels(&self, [first, width, height, format]: [u32; 4]) -> Option<[f32; 2]> {
+        if format != texel_format::RGB32F {
             return None;
         }
         let count = 3 * width as usize * height as usize;
         let texels = self.tables.texels.get(first as usize..)?.get(..count)?;
-        let values = texels.iter().map(|&bits| factor * f32::from_bits(bits));
+        let values = texels.iter().map(|&bits| f32::from_bits(bits));
         Some(
             values.fold([f32::INFINITY, f32::NEG_INFINITY], |[least, most], v| {
                 [least.min(v), most.max(v)]

@@ -15,6 +15,7 @@
 
 use super::builder::Builder;
 use super::emitter::empty;
+use super::emitter::light_scale;
 use crate::image::{Bitmap, Texels};
 use crate::scene::color::ColorUse;
 use crate::scene::daylight::sun_position::LocationAndTime;
@@ -32,7 +33,7 @@ impl Builder {
     pub(super) fn add_daylight(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
         let has_sky = object.plugin != "sun";
         let has_sun = object.plugin != "sky";
-        let scale = object.get_float("scale", 1.0)?;
+        let scale = light_scale(object, "scale")?;
         let albedo = if object.is_legacy { 0.2 } else { 0.3 };
         let aperture = object.get_float_in("sun_aperture", 0.5358, 0.0, 90.0)?;
         let radius_scale = object.get_float_in("sun_radius_scale", 1.0, 0.0, 100.0)?;
@@ -48,11 +49,11 @@ impl Builder {
             extend: object.get_bool("extend", false)?,
             stretch: object.get_float_in("stretch", 1.0, 1.0, 2.0)?,
             sky_scale: match has_sky {
-                true => Some(scale * object.get_float("sky_scale", 1.0)?),
+                true => Some(scale * light_scale(object, "sky_scale")?),
                 false => None,
             },
             sun_scale: match has_sun {
-                true => Some(scale * object.get_float("sun_scale", 1.0)?),
+                true => Some(scale * light_scale(object, "sun_scale")?),
                 false => None,
             },
             sun_radius: radius_scale * (0.5 * aperture).to_radians(),

@@ -126,7 +126,7 @@ impl Builder {
         let mut record = empty(emitter_kind::PROJECTOR);
         record.radiance =
             self.rgb_parameter(object, "irradiance", ColorUse::Emission, [1.0; 3], None)?;
-        let scale = object.get_float("scale", 1.0)? as f32;
+        let scale = light_scale(object, "scale")? as f32;
         record.radiance.value = record.radiance.value.map(|v| v * scale);
         let [width, height] = match record.radiance.texture {
             NONE => [1, 1],
@@ -187,12 +187,13 @@ impl Builder {
     }
 
     fn add_environment(&mut self, object: &Arc<Object>) -> Result<(), SceneError> {
-        let scale = object.get_float("scale", 1.0)? as f32;
+        let scale = light_scale(object, "scale")? as f32;
         // Which directions are sampled how often; the image has the same mean.
         object.get("mis_compensation");
         let path = object.require_file("filename")?;
         // What it asks for of 0.6 is understood as by a bitmap.
         let bitmap = self.bitmap(object, &path, Reading::of(object)?)?;
+        self.say_if_negative(object, bitmap)?;
         let to_world = object.get_transform("to_world")?;
         self.add_environment_image(object, bitmap, scale, to_world)
     }
@@ -275,4 +276,13 @@ pub(super) fn empty(kind: u32) -> Emitter {
         selection_pdf: 0.0,
         selection_cdf: 0.0,
     }
+}
+
+/// A factor on a light. There is no negative light.
+pub(super) fn light_scale(object: &Object, name: &str) -> Result<f64, SceneError> {
+    let scale = object.get_float(name, 1.0)?;
+    if scale < 0.0 {
+        object.property_warn(name, "light cannot be negative; 0 is used")?;
+    }
+    Ok(scale.max(0.0))
 }

@@ -102,7 +102,11 @@ impl Loader<'_> {
         context: &mut FileContext<'_>,
     ) -> Result<(), SceneError> {
         self.depth += 1;
-        for child in node.children().filter(Node::is_element) {
+        for child in node.children() {
+            if !child.is_element() {
+                self.say_text(child, context)?;
+                continue;
+            }
             let element = self.element(child, context)?;
             if self.depth > limits::MAX_DEPTH {
                 let message = format!("elements are nested more than {} deep", limits::MAX_DEPTH);
@@ -112,6 +116,21 @@ impl Loader<'_> {
         }
         self.depth -= 1;
         Ok(())
+    }
+
+    /// Says that text between elements is not read.
+    fn say_text(&self, node: Node<'_, '_>, context: &FileContext<'_>) -> Result<(), SceneError> {
+        /// Longest text that a message shows.
+        const MOST: usize = 40;
+        let text = node.text().filter(|_| node.is_text()).unwrap_or_default();
+        let start = text.len() - text.trim_start().len();
+        let shown: String = text.trim().chars().take(MOST).collect();
+        if shown.is_empty() {
+            return Ok(());
+        }
+        let place = context.source.location(node.range().start + start);
+        let what = format!("it stands between elements and is left out: \"{shown}\"");
+        self.diagnostics.warn(&place, "text", what)
     }
 
     fn child(

@@ -15,6 +15,7 @@
 //!
 //! The last two are in [`super::lens`].
 
+use super::arrival::ShadingPoint;
 use super::contribution::Contribution;
 use super::evaluation::Interaction;
 use super::photon_density::PhotonDensity;
@@ -30,7 +31,7 @@ use crate::scene::emitter::emission::{self, EmissionSample, light_cosine};
 use crate::scene::emitter::{
     self, DirectSample, area_radiance, environment_radiance_and_pdf, sample_direct_with_point,
 };
-use crate::scene::{NONE, SurfacePoint, Tables, emitter_kind};
+use crate::scene::{Hit, NONE, SurfacePoint, Tables, emitter_kind};
 use glam::{Vec2, Vec3};
 
 /// What the evaluation of every connection needs.
@@ -114,6 +115,27 @@ impl Connector<'_> {
             camera = h.of(pdf) * walk.weights.d_vcm + h.of(density.product()) * walk.weights.d_vc;
         }
         walk.subpath.throughput * radiance * self.strategies.weight(0.0, camera)
+    }
+
+    /// Light that a camera walk has met with its ray from the end of `depth` edges, as a contribution, and the emitter.
+    pub fn met(
+        &self,
+        found: Rgb,
+        depth: u32,
+        hit: &Hit,
+        site: &ShadingPoint,
+    ) -> (Contribution, u32) {
+        let emitter = if hit.is_hit() {
+            site.point.emitter
+        } else {
+            self.tables.info.environment
+        };
+        let met = Contribution {
+            value: found,
+            t: depth + 2,
+            ..Contribution::NONE
+        };
+        (met, emitter)
     }
 
     /// Next event estimation at the current vertex of a camera walk (s = 1): `u_select` chooses the emitter, `u` a point or

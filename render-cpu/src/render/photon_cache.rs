@@ -17,7 +17,7 @@ use halflight_kernel::transport::photon::cache::{LEVELS, Photon, PhotonCache, Ph
 use halflight_kernel::transport::photon::divided::DividedStore;
 use halflight_kernel::transport::photon::metropolis::PhotonPath;
 use halflight_kernel::transport::photon::tracing::PhotonStore;
-use halflight_kernel::transport::retargeted::bidirectional::EditedStore;
+use halflight_kernel::transport::retargeted::bounce::EditedStore;
 use rayon::iter::{
     IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator,
 };

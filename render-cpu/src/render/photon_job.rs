@@ -88,7 +88,7 @@ impl PhotonWorkspace {
             let site = &mut *self.site;
             self.walks
                 .bounce(view, |i, walk, hit| match (expressions, edits) {
-                    (_, Some(edits)) => retargeted::bidirectional::light_bounce(
+                    (_, Some(edits)) => retargeted::bounce::light_bounce(
                         tracer,
                         edits,
                         walk,

@@ -139,7 +139,7 @@ impl<'a> Bidirectional<'a> {
 
     /// Numbers that choose a lens point, where the lens has more than one.
     #[inline]
-    fn lens_numbers<S: Sampler>(&self, sampler: &mut S) -> Vec2 {
+    pub(crate) fn lens_numbers<S: Sampler>(&self, sampler: &mut S) -> Vec2 {
         if camera::has_lens_points(&self.connector.tables.camera) {
             sampler.next_2d()
         } else {
@@ -293,17 +293,27 @@ impl<'a> Bidirectional<'a> {
         while index != NONE {
             let vertex = light.store.get(index);
             index = vertex.previous;
-            let edges = vertex.depth.saturating_add(walk.subpath.depth);
-            if !self.connector.allows_edges(edges.saturating_add(2)) {
-                continue;
-            }
-            // Cheap tests first: most pairs do not see each other.
-            let between = vec3(vertex.position) - at.point.position;
-            if facing.dot(between) < 0.0 || vec3(vertex.facing).dot(between) > 0.0 {
+            if !self.may_connect(walk, at, facing, &vertex) {
                 continue;
             }
             self.connect_to(walk, at, site, &vertex, 1.0, add);
         }
+    }
+
+    /// Whether a vertex of a light walk may be connected to where a camera walk has arrived, whose side is `facing`: tests that cost little,
+    /// because most pairs do not see each other.
+    #[inline]
+    pub(crate) fn may_connect(
+        &self,
+        walk: &Walk,
+        at: &Interaction<'_>,
+        facing: Vec3,
+        vertex: &PathVertex,
+    ) -> bool {
+        let edges = vertex.depth.saturating_add(walk.subpath.depth);
+        let between = vec3(vertex.position) - at.point.position;
+        let is_hidden = facing.dot(between) < 0.0 || vec3(vertex.facing).dot(between) > 0.0;
+        self.connector.allows_edges(edges.saturating_add(2)) && !is_hidden
     }
 
     /// Connections between where a camera walk has arrived and a few vertices of all light walks, see [`SharedWalks`].

@@ -131,16 +131,7 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
         );
         let mut watcher = watcher.borrow_mut();
         if found.max_element() > 0.0 {
-            let emitter = if hit.is_hit() {
-                points.own.point.emitter
-            } else {
-                view.tables.info.environment
-            };
-            let met = Contribution {
-                value: found,
-                t: depth + 2,
-                ..Contribution::NONE
-            };
+            let (met, emitter) = algorithm.connector.met(found, depth, &hit, &points.own);
             watcher.met(met, emitter);
         }
         next = after;

@@ -94,16 +94,7 @@ pub fn sample_among_photons<T: Traverse, S: Sampler, K: StateStore>(
         );
         let mut divided = divided.borrow_mut();
         if found.max_element() > 0.0 {
-            let emitter = if hit.is_hit() {
-                site.point.emitter
-            } else {
-                view.tables.info.environment
-            };
-            let met = Contribution {
-                value: found,
-                t: depth + 2,
-                ..Contribution::NONE
-            };
+            let (met, emitter) = connector.met(found, depth, &hit, &site);
             divided.met(met, emitter);
         }
         next = after;

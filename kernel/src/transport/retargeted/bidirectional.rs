@@ -5,36 +5,30 @@
 //! densities and weight; the states of the walks say which share of it is selected so. Light walks do not meet lenses (t = 0):
 //! what the sensor sees of a vertex is not turned.
 
-use crate::bsdf::mode;
-use crate::math::{float, vec3};
-use crate::path::retarget::MAX_EDITS;
+use super::bounce::{arrive, scatter, towards};
 use crate::path::retarget_states::{EditStates, Edits};
 use crate::path::retargeted::{Arrival, Retargeted};
 use crate::path::rules::step;
-use crate::path::walk::LABEL_SHIFT;
-use crate::path::{Connector, Contribution, Interaction, LightEnd, Scattered, ShadingPoint, Walk};
-use crate::regularize::mollifier;
+use crate::path::{Interaction, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::camera::CameraSample;
 use crate::scene::emitter::emission::EmissionSample;
-use crate::scene::emitter::sample_direct_with_point;
-use crate::scene::{Hit, NONE, SceneView, SurfacePoint, Traverse, camera};
+use crate::scene::{NONE, SceneView, Traverse};
 use crate::transport::bidirectional::{Bidirectional, VertexStore, Watcher};
-use crate::transport::photon::estimate::{KERNEL, for_photons_within, incidence};
-use crate::transport::photon::merging::{PassPhotons, merging_weight};
-use crate::transport::photon::tracing::{PhotonStore, PhotonTracer};
+use crate::transport::photon::merging::PassPhotons;
 use arrayvec::ArrayVec;
-use glam::{Vec2, Vec3};
 
 /// Vertices of a light walk that are connected; it ends where there is no more room.
 const MAX_VERTICES: usize = 64;
 
 /// What edits need to know of the vertices of a light walk that are kept, in their order.
-struct LightVertices {
+pub(super) struct LightVertices {
     /// The index of the first in the store.
-    first: u32,
-    states: ArrayVec<EditStates, MAX_VERTICES>,
-    arrivals: ArrayVec<Arrival, MAX_VERTICES>,
+    pub first: u32,
+    /// The states before each.
+    pub states: ArrayVec<EditStates, MAX_VERTICES>,
+    /// How the walk has come to each.
+    pub arrivals: ArrayVec<Arrival, MAX_VERTICES>,
 }
 
 /// The photons of a pass, and the states of their walks before they arrived.
@@ -88,111 +82,17 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
     }
 }
 
-/// Where photons are kept with the states of their walks.
-pub trait EditedStore: PhotonStore {
-    /// The states before the vertex whose photons come next.
-    fn set_states(&mut self, states: &EditStates);
-}
-
-/// [`PhotonTracer::light_bounce`] with edits.
-pub fn light_bounce<S: Sampler, P: EditedStore>(
-    tracer: &PhotonTracer<'_>,
-    edits: &Edits<'_>,
-    walk: &mut Walk,
-    states: &mut EditStates,
-    sampler: &mut S,
-    hit: &Hit,
-    site: &mut ShadingPoint,
-    store: &mut P,
-) -> u32 {
-    let connector = &tracer.connector;
-    let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
-    let (_, next) = connector.arrive(walk, hit, site);
-    if next != step::SCATTER {
-        return next;
-    }
-    store.set_states(states);
-    tracer.leave(walk, &site.interaction(direction), store);
-    let arrival = arrive(connector, edits, states, walk, site, sampler);
-    let own = Retargeted {
-        edits,
-        states,
-        arrival,
-        label: 0,
-        is_free: false,
-    };
-    let at = site.interaction(direction).retargeted(&own);
-    let h = connector.heuristic_at(at.point.position);
-    let next = walk.scatter(connector.tables, &connector.rules, h, sampler, &at);
-    if next == step::TRACE && walk.subpath.depth > depth {
-        let after = scattered(connector, walk, &at, &own);
-        if after.is_none() {
-            return step::END;
-        }
-        *states = after;
-    }
-    next
-}
-
-struct Edited<'a, 'b, T: Traverse> {
+/// A sample of both walks.
+pub(super) struct Edited<'a, 'b, T: Traverse> {
     view: &'a SceneView<'b, T>,
-    algorithm: Bidirectional<'a>,
-    edits: &'a Edits<'a>,
-    photons: Option<&'a EditedPhotons<'a>>,
-    light: LightVertices,
-    last: u32,
-    start: EmissionSample,
-}
-
-/// What edits do at the vertex where a walk has arrived, once its surface has been looked up.
-fn arrive<S: Sampler>(
-    connector: &Connector<'_>,
-    edits: &Edits<'_>,
-    states: &EditStates,
-    walk: &Walk,
-    site: &mut ShadingPoint,
-    sampler: &mut S,
-) -> Arrival {
-    let back = -walk.subpath.ray.direction;
-    if walk.mode == mode::RADIANCE && walk.subpath.depth == 0 {
-        return Arrival::straight(back);
-    }
-    let (point, bsdf) = (&site.point, &site.bsdf);
-    let arrival = Arrival::guess(edits, states, point, bsdf, back, || sampler.next_1d());
-    if arrival.choice.label != 0 {
-        site.look_up(connector.tables, -arrival.back);
-    }
-    arrival
-}
-
-/// The states behind the vertex that a walk has scattered at.
-fn scattered(
-    connector: &Connector<'_>,
-    walk: &Walk,
-    at: &Interaction<'_>,
-    own: &Retargeted<'_>,
-) -> EditStates {
-    let own = Retargeted {
-        label: walk.event >> LABEL_SHIFT,
-        ..*own
-    };
-    let at = at.retargeted(&own);
-    let direction = walk.subpath.ray.direction;
-    let wo = at.effective(direction);
-    let happened = Scattered::sampled(at.bsdf, connector.tables.data, at.wi, wo, walk.event);
-    own.after(at.point, happened, at.point.frame.to_world(wo))
-}
-
-/// The states behind a vertex in a path that goes on along a direction.
-fn towards(
-    connector: &Connector<'_>,
-    at: &Interaction<'_>,
-    own: &Retargeted<'_>,
-    direction: Vec3,
-) -> EditStates {
-    let happened = Scattered::towards(at, connector.tables.data, direction);
-    let before = super::path::world(at, direction);
-    own.after(at.point, happened, before)
+    pub algorithm: Bidirectional<'a>,
+    pub edits: &'a Edits<'a>,
+    pub photons: Option<&'a EditedPhotons<'a>>,
+    pub light: LightVertices,
+    /// The index of the light walk's last vertex.
+    pub last: u32,
+    /// Where the light walk started.
+    pub start: EmissionSample,
 }
 
 impl<T: Traverse> Edited<'_, '_, T> {
@@ -233,11 +133,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
             let at = site.interaction(direction).retargeted(&own);
             if at.is_connectable() {
                 if connector.strategies.light_image {
-                    let u_lens = if camera::has_lens_points(&connector.tables.camera) {
-                        sampler.next_2d()
-                    } else {
-                        Vec2::ZERO
-                    };
+                    let u_lens = algorithm.lens_numbers(sampler);
                     let beta = walk.subpath.throughput;
                     let mut seen = connector.to_lens(beta, walk.arrived, depth + 1, &at, u_lens);
                     if seen.is_some() {
@@ -267,19 +163,8 @@ impl<T: Traverse> Edited<'_, '_, T> {
                 ..own
             };
             let at = site.interaction(direction).retargeted(&own);
-            let h = connector.heuristic_at(at.point.position);
-            next = walk.scatter(connector.tables, &connector.rules, h, sampler, &at);
-            if next == step::TRACE && walk.subpath.depth > depth {
-                let labelled = Retargeted {
-                    label: walk.event >> LABEL_SHIFT,
-                    ..own
-                };
-                let after = scattered(connector, &walk, &at, &own);
-                if after.is_none() || !watcher.scattered(&walk, &at.retargeted(&labelled)) {
-                    return;
-                }
-                states = after;
-            }
+            let watch = |walk: &Walk, at: &Interaction<'_>| watcher.scattered(walk, at);
+            (next, states) = scatter(connector, &mut walk, &at, &own, sampler, watch);
         }
     }
 
@@ -305,16 +190,8 @@ impl<T: Traverse> Edited<'_, '_, T> {
             let (found, after) = connector.arrive(&mut walk, &hit, &mut site);
             next = after;
             if found.max_element() > 0.0 {
-                let emitter = if hit.is_hit() {
-                    site.point.emitter
-                } else {
-                    connector.tables.info.environment
-                };
-                let met = Contribution {
-                    value: found * states.reach_emitter(edits, emitter),
-                    t: depth + 2,
-                    ..Contribution::NONE
-                };
+                let (mut met, emitter) = connector.met(found, depth, &hit, &site);
+                met.value *= states.reach_emitter(edits, emitter);
                 if met.is_some() {
                     watcher.met(met, emitter);
                 }
@@ -338,194 +215,8 @@ impl<T: Traverse> Edited<'_, '_, T> {
                 self.light_up(&walk, &at, &own, sampler, watcher);
                 self.connect(&walk, &at, &own, &mut light_site, store, watcher);
             }
-            let h = connector.heuristic_at(at.point.position);
-            next = walk.scatter(connector.tables, &connector.rules, h, sampler, &at);
-            if next == step::TRACE && walk.subpath.depth > depth {
-                let labelled = Retargeted {
-                    label: walk.event >> LABEL_SHIFT,
-                    ..own
-                };
-                let after = scattered(connector, &walk, &at, &own);
-                if after.is_none() || !watcher.scattered(&walk, &at.retargeted(&labelled)) {
-                    return;
-                }
-                states = after;
-            }
+            let watch = |walk: &Walk, at: &Interaction<'_>| watcher.scattered(walk, at);
+            (next, states) = scatter(connector, &mut walk, &at, &own, sampler, watch);
         }
     }
-
-    /// Next event estimation, by each label.
-    fn light_up<S: Sampler>(
-        &self,
-        walk: &Walk,
-        at: &Interaction<'_>,
-        own: &Retargeted<'_>,
-        sampler: &mut S,
-        watcher: &mut impl Watcher,
-    ) {
-        let connector = &self.algorithm.connector;
-        let position = at.point.position;
-        let (light, point) = if connector.strategies.sample_direct {
-            let u_select = sampler.next_1d();
-            let u = sampler.next_2d();
-            sample_direct_with_point(connector.tables, position, u_select, u)
-        } else {
-            (
-                connector.start_sample(position, &self.start),
-                self.start.point,
-            )
-        };
-        if !light.is_some() {
-            return;
-        }
-        let labels = own.labels(at.point, light.direction);
-        for label in (0..=MAX_EDITS as u32).filter(|label| labels >> label & 1 != 0) {
-            let own = Retargeted { label, ..*own };
-            let at = at.retargeted(&own);
-            let mut lit = connector.lit(walk, &at, &light, &point);
-            if lit.is_some() {
-                let after = towards(connector, &at, &own, light.direction);
-                lit.value *= after.reach_emitter(self.edits, light.emitter);
-            }
-            if lit.is_some() {
-                watcher.add_at(lit, &at);
-            }
-        }
-    }
-
-    /// Connections to the vertices of the light walk, by each pair of labels.
-    fn connect<V: VertexStore>(
-        &self,
-        walk: &Walk,
-        at: &Interaction<'_>,
-        own: &Retargeted<'_>,
-        site: &mut ShadingPoint,
-        store: &V,
-        watcher: &mut impl Watcher,
-    ) {
-        let connector = &self.algorithm.connector;
-        let facing = at.facing();
-        let mut index = self.last;
-        while index != NONE {
-            let vertex = store.get(index);
-            let kept = (index - self.light.first) as usize;
-            index = vertex.previous;
-            let edges = vertex.depth.saturating_add(walk.subpath.depth);
-            if !connector.allows_edges(edges.saturating_add(2)) {
-                continue;
-            }
-            let between = vec3(vertex.position) - at.point.position;
-            if facing.dot(between) < 0.0 || vec3(vertex.facing).dot(between) > 0.0 {
-                continue;
-            }
-            let direction = between.normalize();
-            let arrived = vertex.look_up(connector.tables, site);
-            let arrival = self.light.arrivals[kept];
-            if arrival.choice.label != 0 {
-                site.look_up(connector.tables, -arrival.back);
-            }
-            let of_light = Retargeted {
-                edits: self.edits,
-                states: &self.light.states[kept],
-                arrival,
-                label: 0,
-                is_free: false,
-            };
-            let ends = labels_of(&of_light, &site.point, -direction);
-            for a in ends {
-                let of_light = Retargeted {
-                    label: a,
-                    ..of_light
-                };
-                let light_at = site.interaction(arrived).retargeted(&of_light);
-                let end = LightEnd::new(&vertex, light_at);
-                for b in labels_of(own, at.point, direction) {
-                    let own = Retargeted { label: b, ..*own };
-                    let at = at.retargeted(&own);
-                    let mut joined = connector.inner(&end, walk, &at);
-                    if !joined.is_some() {
-                        continue;
-                    }
-                    let before = towards(connector, &light_at, &of_light, -direction);
-                    let behind = towards(connector, &at, &own, direction);
-                    joined.value *= before.join(&behind);
-                    if joined.is_some() {
-                        watcher.add_between(joined, &light_at, &at);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Photons around the vertex, by each label.
-    fn merge(
-        &self,
-        walk: &Walk,
-        at: &Interaction<'_>,
-        own: &Retargeted<'_>,
-        watcher: &mut impl Watcher,
-    ) {
-        let Some(photons) = self.photons else {
-            return;
-        };
-        let connector = &self.algorithm.connector;
-        let cache = &photons.photons.cache;
-        let radius = photons.photons.radius;
-        let emitted = photons.photons.emitted.max(1) as f32;
-        for_photons_within(cache, at.point.position, radius, |index, distance2| {
-            let photon = &cache.photons[index as usize];
-            let edges = photon.depth.saturating_add(walk.subpath.depth);
-            let cosine = incidence(at, photon);
-            if !connector.allows_edges(edges.saturating_add(1)) || !(cosine > 0.0) {
-                return;
-            }
-            let direction = -vec3(photon.direction);
-            for label in labels_of(own, at.point, direction) {
-                let own = Retargeted { label, ..*own };
-                let at = at.retargeted(&own);
-                let seen = at.evaluate(
-                    connector.tables,
-                    &connector.rules,
-                    mode::RADIANCE,
-                    direction,
-                );
-                if !seen.is_some() {
-                    continue;
-                }
-                let behind = towards(connector, &at, &own, direction);
-                let share = photons.states[photon.beside as usize].join(&behind);
-                if !(share.max_element() > 0.0) {
-                    continue;
-                }
-                let weight = merging_weight(
-                    connector,
-                    photon.weights(),
-                    walk,
-                    seen.pdf,
-                    seen.pdf_reverse,
-                    at.point.position,
-                );
-                let k = mollifier::eval_scaled(KERNEL, 2, float::sqrt(distance2), radius);
-                let light = vec3(photon.throughput) * seen.value * (k * weight / cosine);
-                let met = Contribution {
-                    value: walk.subpath.throughput * light * share / emitted,
-                    t: walk.subpath.depth + 2,
-                    ..Contribution::NONE
-                };
-                watcher.met(met, NONE);
-            }
-        });
-    }
-}
-
-/// The labels with which a path may go on along a direction.
-fn labels_of(
-    own: &Retargeted<'_>,
-    point: &SurfacePoint,
-    direction: Vec3,
-) -> ArrayVec<u32, { MAX_EDITS + 1 }> {
-    let bits = own.labels(point, direction);
-    (0..=MAX_EDITS as u32)
-        .filter(|label| bits >> label & 1 != 0)
-        .collect()
 }

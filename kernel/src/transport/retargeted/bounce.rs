@@ -1,0 +1,137 @@
+//! What a bounce of walks from both ends does with edits: where the walk has come from, how it goes on, and what is known then.
+
+use crate::bsdf::mode;
+use crate::path::retarget::MAX_EDITS;
+use crate::path::retarget_states::{EditStates, Edits};
+use crate::path::retargeted::{Arrival, Retargeted};
+use crate::path::rules::step;
+use crate::path::walk::LABEL_SHIFT;
+use crate::path::{Connector, Interaction, Scattered, ShadingPoint, Walk};
+use crate::sampler::Sampler;
+use crate::scene::{Hit, SurfacePoint};
+use crate::transport::photon::tracing::{PhotonStore, PhotonTracer};
+use arrayvec::ArrayVec;
+use glam::Vec3;
+
+/// Where photons are kept with the states of their walks.
+pub trait EditedStore: PhotonStore {
+    /// The states before the vertex whose photons come next.
+    fn set_states(&mut self, states: &EditStates);
+}
+
+/// [`PhotonTracer::light_bounce`] with edits.
+pub fn light_bounce<S: Sampler, P: EditedStore>(
+    tracer: &PhotonTracer<'_>,
+    edits: &Edits<'_>,
+    walk: &mut Walk,
+    states: &mut EditStates,
+    sampler: &mut S,
+    hit: &Hit,
+    site: &mut ShadingPoint,
+    store: &mut P,
+) -> u32 {
+    let connector = &tracer.connector;
+    let direction = walk.subpath.ray.direction;
+    let (_, next) = connector.arrive(walk, hit, site);
+    if next != step::SCATTER {
+        return next;
+    }
+    store.set_states(states);
+    tracer.leave(walk, &site.interaction(direction), store);
+    let arrival = arrive(connector, edits, states, walk, site, sampler);
+    let own = Retargeted {
+        edits,
+        states,
+        arrival,
+        label: 0,
+        is_free: false,
+    };
+    let at = site.interaction(direction).retargeted(&own);
+    let (next, after) = scatter(connector, walk, &at, &own, sampler, |_, _| true);
+    *states = after;
+    next
+}
+
+/// What edits do at the vertex where a walk has arrived, once its surface has been looked up.
+pub(super) fn arrive<S: Sampler>(
+    connector: &Connector<'_>,
+    edits: &Edits<'_>,
+    states: &EditStates,
+    walk: &Walk,
+    site: &mut ShadingPoint,
+    sampler: &mut S,
+) -> Arrival {
+    let back = -walk.subpath.ray.direction;
+    if walk.mode == mode::RADIANCE && walk.subpath.depth == 0 {
+        return Arrival::straight(back);
+    }
+    let (point, bsdf) = (&site.point, &site.bsdf);
+    let arrival = Arrival::guess(edits, states, point, bsdf, back, || sampler.next_1d());
+    if arrival.choice.label != 0 {
+        site.look_up(connector.tables, -arrival.back);
+    }
+    arrival
+}
+
+/// Scatters at a vertex; returns what is next, one of [`step`], and the states then. `watch` hears of the vertex and says whether the walk
+/// shall go on.
+pub(super) fn scatter<S: Sampler>(
+    connector: &Connector<'_>,
+    walk: &mut Walk,
+    at: &Interaction<'_>,
+    own: &Retargeted<'_>,
+    sampler: &mut S,
+    watch: impl FnOnce(&Walk, &Interaction<'_>) -> bool,
+) -> (u32, EditStates) {
+    let depth = walk.subpath.depth;
+    let h = connector.heuristic_at(at.point.position);
+    let next = walk.scatter(connector.tables, &connector.rules, h, sampler, at);
+    if next != step::TRACE || walk.subpath.depth == depth {
+        return (next, *own.states);
+    }
+    let own = Retargeted {
+        label: walk.event >> LABEL_SHIFT,
+        ..*own
+    };
+    let at = at.retargeted(&own);
+    let after = scattered(connector, walk, &at, &own);
+    let goes_on = !after.is_none() && watch(walk, &at);
+    (if goes_on { step::TRACE } else { step::END }, after)
+}
+
+/// The states behind the vertex that a walk has scattered at, with the label of what it has done there.
+fn scattered(
+    connector: &Connector<'_>,
+    walk: &Walk,
+    at: &Interaction<'_>,
+    own: &Retargeted<'_>,
+) -> EditStates {
+    let direction = walk.subpath.ray.direction;
+    let wo = at.effective(direction);
+    let happened = Scattered::sampled(at.bsdf, connector.tables.data, at.wi, wo, walk.event);
+    own.after(at.point, happened, at.point.frame.to_world(wo))
+}
+
+/// The states behind a vertex in a path that goes on along a direction.
+pub(super) fn towards(
+    connector: &Connector<'_>,
+    at: &Interaction<'_>,
+    own: &Retargeted<'_>,
+    direction: Vec3,
+) -> EditStates {
+    let happened = Scattered::towards(at, connector.tables.data, direction);
+    let before = super::path::world(at, direction);
+    own.after(at.point, happened, before)
+}
+
+/// The labels with which a path may go on along a direction.
+pub(super) fn labels_of(
+    own: &Retargeted<'_>,
+    point: &SurfacePoint,
+    direction: Vec3,
+) -> ArrayVec<u32, { MAX_EDITS + 1 }> {
+    let bits = own.labels(point, direction);
+    (0..=MAX_EDITS as u32)
+        .filter(|label| bits >> label & 1 != 0)
+        .collect()
+}

@@ -120,6 +120,9 @@ pub struct ChainSettings {
     pub half_vector_flags: u32,
     /// Steps of half vectors over those of least correlation on a lobe alone: gamma.
     pub half_vector_step: f32,
+    /// 1 if a first stage decides how often chains come to each part of the image, so that dark parts are not left to a few
+    /// visits (Mitsuba 0.6: `twoStage`; `transport/markov/importance.rs`).
+    pub two_stage: u32,
 }
 
 /// What the half-vector mutation does otherwise than by default: bits.
@@ -163,6 +166,7 @@ impl ChainSettings {
         lambda: 50.0,
         half_vector_flags: 0,
         half_vector_step: 0.2,
+        two_stage: 0,
     };
 
     /// Fewest mutations of a group: enough for its chains to be long and its start-up to be cheap.

@@ -16,6 +16,10 @@ pub struct ChainArgs {
     /// Chains in a group (pssmlt, mmlt, mlt, memlt, hslt).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     pub chains: Option<u32>,
+    /// A first stage decides how often chains come to each part of the image, so that dark parts are not left to a few visits
+    /// (pssmlt, mmlt, mlt, memlt, hslt, erpt, meerpt).
+    #[arg(long)]
+    pub two_stage: bool,
     /// The half-vector mutation that breaks paths up, or the original one of whole paths (hslt).
     #[arg(long, value_name = "NAME")]
     pub hslt: Option<HalfVectorName>,
@@ -60,16 +64,19 @@ impl ChainArgs {
     /// # Errors
     /// If no chains will run.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
-        let is_used = self.direct_samples.is_some() || self.chains.is_some();
+        let is_used = self.direct_samples.is_some() || self.chains.is_some() || self.two_stage;
         if is_used && shape(scene.settings.kind) != Shape::Chains {
             return Err(
-                "--direct-samples and --chains are for Markov chains (--integrator mlt)"
+                "--direct-samples, --chains and --two-stage are for Markov chains (--integrator mlt)"
                     .to_string(),
             );
         }
         let own = &mut scene.settings.chains;
         if let Some(samples) = self.direct_samples {
             own.direct_samples = samples;
+        }
+        if self.two_stage {
+            own.two_stage = 1;
         }
         if let Some(chains) = self.chains {
             own.chains = chains;

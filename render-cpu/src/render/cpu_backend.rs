@@ -24,7 +24,7 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::IntegratorSettings;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Side of the square of pixels that a thread takes at a time.
 const TILE: u32 = 16;
@@ -88,6 +88,8 @@ pub struct CpuBackend<'a> {
     pub options: &'a RenderOptions,
     /// What a run knows of its photons before its passes.
     pilots: Pilots,
+    /// How often its chains come to the parts of the image, once there are any.
+    importance: OnceLock<Vec<f32>>,
 }
 
 impl<'a> CpuBackend<'a> {
@@ -98,6 +100,7 @@ impl<'a> CpuBackend<'a> {
             accel,
             options,
             pilots: Pilots::default(),
+            importance: OnceLock::new(),
         }
     }
 }
@@ -190,7 +193,10 @@ impl Backend for CpuBackend<'_> {
                     edits: edits.as_ref(),
                     is_adaptive: false,
                 };
-                render_groups(&view, settings, followed, options, film, per_pixel, stop)
+                let importance = &self.importance;
+                render_groups(
+                    &view, settings, followed, options, film, per_pixel, stop, importance,
+                )
             }
         })
     }

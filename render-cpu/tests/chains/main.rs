@@ -15,5 +15,6 @@ mod returns;
 mod scenes;
 mod stationary;
 mod total;
+mod two_stages;
 mod variants;
 mod whole_paths;

@@ -11,6 +11,9 @@
 //! whose mean over groups is zero if the distribution is kept, and Hotelling's T^2 of that mean, by the covariance that the groups
 //! show, has a chi-square distribution of as many degrees of freedom as there are cells, less one. `HALFLIGHT_STATISTICS=N` makes chains N times as long.
 //! Random numbers are fixed.
+//!
+//! Detailed balance, I(x) T(x -> y) = I(y) T(y -> x), says more: of the first steps as many lead from any cell into another as back, so
+//! that d_ab, counted like d_c from the steps between two cells a and b, has the mean zero too.
 
 use crate::agreement::effort;
 use crate::brightness::{BALL, GLOSSY, POINT};
@@ -33,6 +36,9 @@ const CANDIDATES: u32 = 256;
 const CHAINS: u32 = 8;
 const STEPS: u32 = 64;
 
+/// First steps whose moves between cells are counted.
+const COUNTED_STEPS: u32 = 8;
+
 /// Cells that are left in fewer groups are one.
 const FEWEST: usize = 20;
 
@@ -40,7 +46,7 @@ const FEWEST: usize = 20;
 const FALSE_ALARM: f64 = 1e-3;
 
 /// Number of tests.
-const TESTS: f64 = 40.0;
+const TESTS: f64 = 60.0;
 
 /// A cell of the states.
 type Cell = fn(&Observation) -> usize;
@@ -53,10 +59,38 @@ const PARTITIONS: [(&str, Cell); 3] = [
     ("emitters", |o| o.emitter as usize),
 ];
 
-/// States of a group's chains before and after, and its weight S / M.
+/// States of a group's chains before and after, the first moves between states, and the group's weight S / M.
 struct Group {
     weight: f64,
     states: Vec<[Observation; 2]>,
+    moves: Vec<[Observation; 2]>,
+}
+
+/// Most cells of a partition.
+const CELLS: usize = 64;
+
+/// d_c of a group.
+fn of_cells(group: &Group, cell: Cell) -> Vec<f64> {
+    let mut d = vec![0.0; CELLS];
+    for [before, after] in &group.states {
+        d[cell(after)] += group.weight;
+        d[cell(before)] -= group.weight;
+    }
+    d
+}
+
+/// d_ab of a group.
+fn of_pairs(group: &Group, cell: Cell) -> Vec<f64> {
+    let mut d = vec![0.0; CELLS * CELLS];
+    for [before, after] in &group.moves {
+        let (a, b) = (cell(before), cell(after));
+        if a < b {
+            d[a * CELLS + b] += group.weight;
+        } else if b < a {
+            d[b * CELLS + a] -= group.weight;
+        }
+    }
+    d
 }
 
 /// Runs a group; nothing where it finds no light.
@@ -84,14 +118,21 @@ fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, steps: u32) -> Option<Group
             starts.push((candidate, member));
         }
     }
+    let mut moves = Vec::new();
     let states: Vec<_> = starts
         .iter()
         .zip(0..)
         .filter_map(|((candidate, member), number)| {
             let mut chain = algorithm.start(*candidate, *member, number);
             let before = A::observe(&chain)?;
-            for _ in 0..steps {
+            let mut last = before;
+            for step in 0..steps {
                 algorithm.step(&mut chain, 1.0, &mut |_| {});
+                if step < COUNTED_STEPS {
+                    let now = A::observe(&chain)?;
+                    moves.push([last, now]);
+                    last = now;
+                }
             }
             Some([before, A::observe(&chain)?])
         })
@@ -99,29 +140,21 @@ fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, steps: u32) -> Option<Group
     (!states.is_empty()).then_some(Group {
         weight: sum / f64::from(CHAINS),
         states,
+        moves,
     })
 }
 
-/// T^2 and its degrees of freedom, of the change of the cells.
-fn statistic(groups: &[Group], cell: Cell) -> (f64, usize) {
-    let of_group = |group: &Group, count: usize| {
-        let mut d = vec![0.0; count];
-        for [before, after] in &group.states {
-            d[cell(after)] += group.weight;
-            d[cell(before)] -= group.weight;
-        }
-        d
-    };
-    let all: Vec<Vec<f64>> = groups.iter().map(|g| of_group(g, 64)).collect();
+/// T^2 and its degrees of freedom, of the mean of d; `is_closed` if the entries of each d sum to zero.
+fn statistic(all: &[Vec<f64>], is_closed: bool) -> (f64, usize) {
     // Cells that change often; the rest is one cell, which the sum of zero makes redundant.
-    let often: Vec<usize> = (0..64)
+    let often: Vec<usize> = (0..all[0].len())
         .filter(|c| all.iter().filter(|d| d[*c] != 0.0).count() >= FEWEST)
         .collect();
     let rest = all
         .iter()
-        .filter(|d| (0..64).any(|c| d[c] != 0.0 && !often.contains(&c)))
+        .filter(|d| (0..d.len()).any(|c| d[c] != 0.0 && !often.contains(&c)))
         .count();
-    let used = if rest >= FEWEST || often.is_empty() {
+    let used = if rest >= FEWEST || often.is_empty() || !is_closed {
         &often[..]
     } else {
         &often[..often.len() - 1]
@@ -180,28 +213,33 @@ fn keeps<A: ChainAlgorithm>(
         .flat_map(|g| &g.states)
         .filter(|[a, b]| a != b);
     let (moved, all) = (moved.count(), groups.len() * CHAINS as usize);
-    partitions
-        .iter()
-        .map(|(name, cell)| {
-            let (t2, degrees) = statistic(&groups, *cell);
+    let mut results = Vec::new();
+    for (name, cell) in partitions {
+        let of_states: Vec<_> = groups.iter().map(|g| of_cells(g, *cell)).collect();
+        let of_moves: Vec<_> = groups.iter().map(|g| of_pairs(g, *cell)).collect();
+        for (test, (t2, degrees)) in [
+            ("", statistic(&of_states, true)),
+            (" both ways", statistic(&of_moves, false)),
+        ] {
             let p = if degrees == 0 {
                 1.0
             } else {
                 1.0 - ChiSquared::new(degrees as f64).unwrap().cdf(t2)
             };
             let line = format!(
-                "{what}, {name}: {t2:.1} of {degrees}, p = {p:.2e}, {moved} of {all} moved"
+                "{what}, {name}{test}: {t2:.1} of {degrees}, p = {p:.2e}, {moved} of {all} moved"
             );
             println!("{line}");
-            if moved * 20 < all {
-                return Err(format!("{line}: chains stand still"));
-            }
-            if p < FALSE_ALARM / TESTS {
-                return Err(line);
-            }
-            Ok(())
-        })
-        .collect()
+            results.push(if moved * 20 < all {
+                Err(format!("{line}: chains stand still"))
+            } else if p < FALSE_ALARM / TESTS {
+                Err(line)
+            } else {
+                Ok(())
+            });
+        }
+    }
+    results
 }
 
 fn report(results: Vec<Result<(), String>>) {

@@ -120,7 +120,7 @@ layouts! {
     chains, ChainSettings {
         technique, p_large, candidates, chains, mutations, direct_samples, chain_length, bidirectional_weight,
         lens_weight, caustic_weight, multi_chain_weight, manifold_weight, half_vector_weight, lambda, half_vector_flags,
-        half_vector_step
+        half_vector_step, two_stage
     }
     regularization, RegularizationSettings { tau, radius, exponent, kernel, flags, fade, one_minus_gamma }
     constants, SceneConstants { camera, info, settings }

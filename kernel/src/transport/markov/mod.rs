@@ -17,6 +17,7 @@
 //!
 //! - [`algorithm`]: what a driver needs to know of an algorithm;
 //! - [`state`]: what a state adds to the image;
+//! - [`importance`]: how often chains come to the parts of the image;
 //! - [`annealing`]: targets that are mollified less and less;
 //! - [`primary_space`]: paths as functions of primary samples: over `path`, over `bdpt`, and multiplexed (`multiplexed`);
 //! - [`primary_chain`]: chains of primary samples;
@@ -28,6 +29,7 @@
 pub mod algorithm;
 pub mod annealing;
 pub mod half_vector;
+pub mod importance;
 mod multiplexed;
 pub mod primary_chain;
 pub mod primary_space;

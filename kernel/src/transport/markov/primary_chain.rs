@@ -22,6 +22,7 @@ use super::state::{Splat, State};
 use crate::math::luminance;
 use crate::sampler::{FreshSamples, PrimarySamples, mix};
 use crate::scene::Traverse;
+use glam::Vec2;
 
 /// Streams of a group, told apart by what its seed is mixed with.
 mod stream {
@@ -130,7 +131,7 @@ impl<'a, T: Traverse + Sync> PrimaryChains<'a, T> {
 
     #[inline]
     fn factor(&self, state: &State) -> f32 {
-        1.0 / (state.luminance() + self.p_large * self.constant)
+        1.0 / (state.target() + self.p_large * self.constant)
     }
 }
 
@@ -140,7 +141,7 @@ impl<T: Traverse + Sync> PrimaryChains<'_, T> {
         self.finish(chain, b, add);
         chain.light.repeat();
         chain.camera.repeat();
-        let before = chain.current.luminance();
+        let before = chain.current.target();
         let regularization = self.annealing.at(chain.step);
         self.space.evaluate(
             &mut chain.light,
@@ -148,7 +149,7 @@ impl<T: Traverse + Sync> PrimaryChains<'_, T> {
             &regularization,
             &mut chain.current,
         );
-        let ratio = chain.current.luminance() / before;
+        let ratio = chain.current.target() / before;
         chain.weight *= if ratio > 0.0 { ratio } else { 0.0 };
     }
 }
@@ -162,7 +163,18 @@ impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
         let regularization = self.annealing.at(0);
         self.space
             .evaluate(&mut light, &mut camera, &regularization, &mut state);
-        add(state.luminance());
+        add(state.target());
+    }
+
+    fn look(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32)) {
+        let [mut light, mut camera] = self.candidate(candidate);
+        let mut state = State::default();
+        let regularization = self.annealing.at(0);
+        self.space
+            .evaluate(&mut light, &mut camera, &regularization, &mut state);
+        for splat in state.splats().iter().filter(|splat| splat.image == 0) {
+            add(splat.film, luminance(splat.value));
+        }
     }
 
     fn start(&self, candidate: u32, _member: u32, number: u32) -> PrimaryChain {
@@ -201,7 +213,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
             &regularization,
             &mut chain.proposed,
         );
-        let (i_x, i_y) = (chain.current.luminance(), chain.proposed.luminance());
+        let (i_x, i_y) = (chain.current.target(), chain.proposed.target());
         // A chain starts where there is light, and goes nowhere else until its state loses all of it.
         let acceptance = if i_y < i_x { i_y / i_x } else { 1.0 };
         let own = b * chain.weight;

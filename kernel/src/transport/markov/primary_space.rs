@@ -10,6 +10,7 @@
 //! F has an image for each of its parts, which I does not count; where edits turn light, paths are those of
 //! [`crate::transport::retargeted`]. Multiplexed chains then follow both walks and keep what the chosen strategy finds.
 
+use super::importance::Importance;
 use super::state::State;
 use crate::bsdf::Bsdf;
 use crate::math::{Ray, Rgb};
@@ -72,6 +73,7 @@ pub struct PrimarySpace<'a, T: Traverse> {
     technique: u32,
     /// Fewest edges of a path that counts: shorter ones are somebody else's.
     min_edges: u32,
+    importance: Importance<'a>,
     /// What the image is divided by.
     expressions: Option<PathExpressions<'a>>,
     /// The edits of its light transport.
@@ -135,9 +137,17 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
             settings,
             technique,
             min_edges,
+            importance: Importance::EVEN,
             expressions: None,
             edits: None,
         }
+    }
+
+    /// With parts of the image that count more than others.
+    #[must_use]
+    pub fn with_importance(mut self, importance: Importance<'a>) -> Self {
+        self.importance = importance;
+        self
     }
 
     /// With an image for each path expression beside the whole, and with edits. Where nothing counts but the paths of the first
@@ -188,17 +198,18 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
             } else {
                 (seen.film, found.value * seen.weight)
             };
+            let importance = self.importance.at(film);
             let Some(expressions) = &expressions else {
-                state.add(film, value);
+                state.add(film, value, importance);
                 return;
             };
             if expressions.only == 0 {
-                state.add(film, value);
+                state.add(film, value, importance);
             }
             for part in 0..expressions.count {
                 let own = value * shares.of(part as usize);
                 match part + 1 - expressions.only {
-                    0 => state.add(film, own),
+                    0 => state.add(film, own, importance),
                     image => state.add_part(film, own, image),
                 }
             }

@@ -23,7 +23,7 @@ pub const MAX_SPLATS: usize = 256;
 #[derive(Clone, Debug, Default)]
 pub struct State {
     splats: ArrayVec<Splat, MAX_SPLATS>,
-    luminance: f32,
+    target: f32,
 }
 
 impl State {
@@ -31,12 +31,12 @@ impl State {
     #[inline]
     pub fn clear(&mut self) {
         self.splats.clear();
-        self.luminance = 0.0;
+        self.target = 0.0;
     }
 
-    /// Adds light; what falls on the position of the first splat is added to that.
+    /// Adds light that counts `importance` times in I; what falls on the position of the first splat is added to that.
     #[inline]
-    pub fn add(&mut self, film: Vec2, value: Rgb) {
+    pub fn add(&mut self, film: Vec2, value: Rgb, importance: f32) {
         let light = luminance(value);
         if !(light > 0.0) || !value.is_finite() {
             return;
@@ -54,7 +54,7 @@ impl State {
                 }
             }
         }
-        self.luminance += light;
+        self.target += light * importance;
     }
 
     /// Adds light to one of the images of parts, which I does not count.
@@ -73,10 +73,10 @@ impl State {
         }
     }
 
-    /// I: the luminance of all that it adds.
+    /// I: the luminance of all that it adds, each part as often as it counts.
     #[inline]
-    pub fn luminance(&self) -> f32 {
-        self.luminance
+    pub fn target(&self) -> f32 {
+        self.target
     }
 
     /// What it adds.
@@ -91,7 +91,7 @@ impl State {
         self.splats
             .iter_mut()
             .for_each(|splat| splat.value *= factor);
-        self.luminance *= factor;
+        self.target *= factor;
     }
 
     /// Hands on the splats times `factor`.

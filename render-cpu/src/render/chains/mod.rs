@@ -11,6 +11,7 @@
 //! ask for, as samples per pixel, are mutations per pixel; [`MutationsPerPixel`] converts.
 
 mod beside;
+mod first_stage;
 mod group;
 
 use super::backend::PassEnd;
@@ -25,6 +26,7 @@ use crate::film::chain_counts::describe;
 use crate::integrators::{Shape, shape};
 use crate::scene::build::Scene;
 use beside::Beside;
+use first_stage::{PILOT, first_stage};
 use glam::Vec3;
 use group::{GroupImage, GroupSize};
 use halflight_kernel::path::PathRules;
@@ -34,10 +36,12 @@ use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::divided::sample_divided_pixel;
 use halflight_kernel::transport::markov::annealing::Annealing;
+use halflight_kernel::transport::markov::importance::Importance;
 use halflight_kernel::transport::markov::primary_space::PrimarySpace;
 use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains, VeachChains};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind, retargeted, sample_pixel};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::sync::OnceLock;
 
 /// Rows that a thread adds to the film at a time.
 const BAND: u32 = 16;
@@ -107,7 +111,8 @@ fn direct_samples(settings: &IntegratorSettings, pixels: u32) -> u32 {
     }
 }
 
-/// Adds `groups` groups of chains to the film, or fewer when it is to stop; a group that is not complete is dropped.
+/// Adds `groups` groups of chains to the film, or fewer when it is to stop; a group that is not complete is dropped. `importance` is
+/// what the first stage of a two-stage start has found for the run, once there is a group.
 pub fn render_groups<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
@@ -116,6 +121,7 @@ pub fn render_groups<T: Traverse + Sync>(
     film: &mut Film,
     groups: u32,
     stop: &Stop<'_>,
+    importance: &OnceLock<Vec<f32>>,
 ) -> PassEnd {
     let own = &settings.chains;
     let pixels = film.width() * film.height();
@@ -133,12 +139,32 @@ pub fn render_groups<T: Traverse + Sync>(
         None
     };
     let beside = beside.as_ref();
-    let of_samples = (settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT).then(|| {
-        let space = PrimarySpace::new(view, settings, own.technique, min_edges);
-        let expressions = followed.division.map(|division| division.expressions);
-        let space = space.following(expressions, followed.edits.copied());
-        // The constant of all groups, whichever are rendered.
-        let of_first = annealing(view, settings, 0);
+    let is_primary = settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT;
+    let expressions = followed.division.map(|division| division.expressions);
+    let space = PrimarySpace::new(view, settings, own.technique, min_edges)
+        .following(expressions, followed.edits.copied());
+    let (size, offset) = (
+        [film.width(), film.height()],
+        view.tables.camera.crop_offset,
+    );
+    // Both are those of all groups, whichever are rendered.
+    let of_first = annealing(view, settings, 0);
+    let cells = importance.get_or_init(|| {
+        if own.two_stage == 0 {
+            return Vec::new();
+        }
+        if is_primary {
+            let chains = PrimaryChains::new(space, own.p_large, options.seed, PILOT);
+            first_stage(&chains.annealed(of_first), size, offset)
+        } else {
+            let chains = VeachChains::new(view, settings, min_edges, options.seed, PILOT);
+            let chains = chains.beside(beside.map(|beside| beside.remainder));
+            first_stage(&chains.annealed(of_first), size, offset)
+        }
+    });
+    let importance = Importance::new(cells, size, offset);
+    let of_samples = is_primary.then(|| {
+        let space = space.with_importance(importance);
         PrimaryChains::with_constant(space, own.p_large, of_first, options.seed)
     });
     for group in first..first + groups {
@@ -159,6 +185,7 @@ pub fn render_groups<T: Traverse + Sync>(
                 let chains = chains.divided(division.map(|division| division.expressions));
                 let chains = chains.beside(beside.map(|beside| beside.remainder));
                 let chains = chains.annealed(annealing(view, settings, group));
+                let chains = chains.with_importance(importance);
                 add_group(
                     view, settings, followed, beside, options, film, group, &chains, stop,
                 )

@@ -43,6 +43,7 @@ pub(super) fn read_chains(object: &Object, chains: &mut ChainSettings) -> Result
     ] {
         *weight = switch_or_weight(object, name, false)?;
     }
+    chains.two_stage = object.get_bool("two_stage", false)?.into();
     chains.lambda = object.get_float_in("lambda", chains.lambda.into(), 1.0, 1e4)? as f32;
     let step = chains.half_vector_step.into();
     chains.half_vector_step = object.get_float_in("half_vector_step", step, 1e-3, 10.0)? as f32;

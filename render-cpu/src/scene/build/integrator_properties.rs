@@ -32,6 +32,7 @@ const OWNERS: [(&[&str], &[&str]); 6] = [
             "direct_samples",
             "chains",
             "group_mutations",
+            "two_stage",
             "bidirectional_mutation",
             "lens_perturbation",
             "caustic_perturbation",

@@ -13,6 +13,7 @@ use crate::transport::markov::algorithm::{
 use crate::transport::markov::half_vector::path_chain::ChainPair;
 use crate::transport::markov::half_vector::{half_vector_mutation, manifold_perturbation};
 use crate::transport::markov::state::Splat;
+use glam::Vec2;
 
 /// A chain.
 pub struct VeachChain {
@@ -110,6 +111,7 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
         if !(ratio > 0.0 && is_countable && self.is_own(y)) {
             return 0.0;
         }
+        let ratio = ratio * self.importance.at(y.film) / self.importance.at(x.film);
         let of_y = self.allowed(y);
         let share = |weights: &[f32]| weights[kind] / weights.iter().sum::<f32>();
         let acceptance = ratio * share(&of_y) / share(allowed);
@@ -145,6 +147,14 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
 
     fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32)) {
         self.candidate(candidate, |_, weight| add(weight));
+    }
+
+    fn look(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32)) {
+        self.candidate(candidate, |path, weight| {
+            if weight > 0.0 {
+                add(path.film, weight / self.importance.at(path.film));
+            }
+        });
     }
 
     fn start(&self, candidate: u32, member: u32, number: u32) -> VeachChain {

@@ -12,6 +12,7 @@ use crate::sampler::{FreshSamples, mix};
 use crate::scene::{SceneView, Traverse};
 use crate::transport::markov::annealing::Annealing;
 use crate::transport::markov::half_vector::HalfVectorSettings;
+use crate::transport::markov::importance::Importance;
 use crate::transport::markov::state::Splat;
 use crate::transport::settings::IntegratorSettings;
 
@@ -47,6 +48,7 @@ pub struct VeachChains<'a, T: Traverse> {
     pub(super) weights: [f32; mutation::COUNT],
     pub(super) half_vectors: HalfVectorSettings,
     pub(super) annealing: Annealing,
+    pub(super) importance: Importance<'a>,
     pub(super) seed: u32,
     pub(super) group: u32,
     /// What the image is divided by.
@@ -84,6 +86,7 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
             ],
             half_vectors: HalfVectorSettings::new(own),
             annealing: Annealing::NONE,
+            importance: Importance::EVEN,
             seed,
             group,
             expressions: None,
@@ -94,6 +97,13 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
     #[must_use]
     pub fn beside(mut self, remainder: Option<Remainder>) -> Self {
         self.tracer.beside = remainder;
+        self
+    }
+
+    /// With parts of the image that count more than others.
+    #[must_use]
+    pub fn with_importance(mut self, importance: Importance<'a>) -> Self {
+        self.importance = importance;
         self
     }
 
@@ -146,7 +156,7 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
 
     /// Adds F / I of a path times `factor` to the image and to its parts.
     pub(super) fn add_path(&self, path: &ChainPath, factor: f32, add: &mut impl FnMut(Splat)) {
-        let value = path.value * (factor / path.luminance());
+        let value = path.value * (factor / (path.luminance() * self.importance.at(path.film)));
         let whole = Splat {
             film: path.film,
             value,
@@ -185,7 +195,8 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         let mut light = stream(stream::CANDIDATE_LIGHT);
         let (tracer, blurring) = (&self.tracer, self.blurring(0));
         candidate::paths(tracer, blurring, &mut sensor, &mut light, |path, weight| {
-            add(path, if self.is_own(path) { weight } else { 0.0 });
+            let weight = if self.is_own(path) { weight } else { 0.0 };
+            add(path, weight * self.importance.at(path.film));
         });
     }
 }

@@ -60,9 +60,11 @@ impl Batches {
             settings.kind,
             // The words that there were first: numbers stay the same when there are more.
             &bytemuck::bytes_of(&settings.bidirectional)[..24],
-            (settings.bidirectional.connections > 0).then_some(settings.bidirectional.connections),
         )
             .hash(&mut hasher);
+        if settings.bidirectional.connections > 0 {
+            settings.bidirectional.connections.hash(&mut hasher);
+        }
         let seed = hasher.finish() as u32;
         let batches = (0..BATCHES).map(|batch| {
             let options = RenderOptions {

@@ -207,3 +207,72 @@ fn a_projector_has_a_focal_length() {
         normal
     );
 }
+
+#[test]
+fn bumps_may_be_turned_inside_out_by_their_textures() {
+    let files = Files::new(&[("h.exr", &crate::images::exr([0.5, 0.25, 0.5, 1.0]))]);
+    let heights = r#"<texture type="bitmap"><string name="filename" value="h.exr"/></texture>"#;
+    let wall = |scale: &str, texture: &str| {
+        format!(
+            r#"<shape type="rectangle"><bsdf type="bumpmap">{scale}{texture}<bsdf type="diffuse"/></bsdf></shape>"#
+        )
+    };
+    let factor = |value: &str| format!(r#"<float name="scale" value="{value}"/>"#);
+    let scaled = |value: &str, texture: &str| {
+        format!(
+            r#"<texture type="scale">{}{texture}</texture>"#,
+            factor(value)
+        )
+    };
+    for version in ["0.6.0", "3.0.0"] {
+        let expected = files.clean(version, &wall(&factor("-6"), heights));
+        let twice = scaled("3", &scaled("-2", heights));
+        assert_eq!(files.clean(version, &wall("", &twice)), expected);
+        let both = wall(&factor("-3"), &scaled("2", heights));
+        assert_eq!(files.clean(version, &both), expected);
+    }
+}
+
+#[test]
+fn what_is_replaced_is_said_once() {
+    let files = Files::new(&[]);
+    let bsdf = |content: &str| format!(r#"<shape type="sphere">{content}</shape>"#);
+    for (content, name) in [
+        (
+            r#"<bsdf type="irawan"><string name="filename" value="x.wv"/><float name="repeatU" value="2"/></bsdf>"#,
+            "irawan",
+        ),
+        (
+            r#"<bsdf type="diffuse"><texture name="reflectance" type="curvature"><float name="scale" value="2"/></texture></bsdf>"#,
+            "curvature",
+        ),
+    ] {
+        files.warned("0.6.0", &bsdf(content), name);
+    }
+}
+
+#[test]
+fn bounds_are_said_in_numbers_that_can_be_read() {
+    let files = Files::new(&[]);
+    for (content, words) in [
+        (
+            r#"<shape type="sphere"><bsdf type="coating"><float name="thickness" value="-1"/><bsdf type="diffuse"/></bsdf></shape>"#,
+            ": -1 is below 0",
+        ),
+        (
+            r#"<shape type="sphere"><bsdf type="phong"><float name="exponent" value="-3"/></bsdf></shape>"#,
+            "cannot be negative",
+        ),
+        (
+            r#"<emitter type="spot"><float name="cutoffAngle" value="0"/></emitter>"#,
+            ": 0 is outside of [0.001, 180]",
+        ),
+    ] {
+        let error = files.error("0.6.0", content);
+        assert!(error.contains(words), "{error}");
+    }
+    for bytes in ["", "  \n", "v 0 0 0\nf 1 1 1\n", "{}"] {
+        let error = files.load(bytes.as_bytes(), false).expect_err("no scene");
+        assert!(error.contains("no element in it"), "{error}");
+    }
+}

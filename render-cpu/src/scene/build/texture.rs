@@ -249,6 +249,7 @@ impl Builder {
                 object.warn(format!(
                     "textures of type \"{other}\" are not supported; a reflectance of 0.5 is used instead"
                 ))?;
+                object.ignore();
                 texture = constant_texture([0.5; 3]);
             }
         }

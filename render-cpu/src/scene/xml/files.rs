@@ -175,6 +175,9 @@ fn identity(path: &Path) -> PathBuf {
 
 /// The message of the XML reader without its location, which is printed in our own form.
 fn message_without_place(error: &roxmltree::Error) -> String {
+    if matches!(error, roxmltree::Error::NoRootNode) {
+        return "there is no element in it; is it a scene file?".to_owned();
+    }
     let message = error.to_string();
     let place = format!(" at {}", error.pos());
     message.strip_suffix(&place).unwrap_or(&message).to_owned()

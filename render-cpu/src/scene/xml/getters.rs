@@ -106,7 +106,7 @@ impl Object {
     ) -> Result<f64, SceneError> {
         let value = self.get_float(name, default)?;
         if value < min || value > max {
-            return Err(self.property_error(name, format!("{value} is outside of [{min}, {max}]")));
+            return Err(self.property_error(name, outside(value, min, max)));
         }
         Ok(value)
     }
@@ -318,5 +318,25 @@ impl Object {
             }
             _ => None,
         }
+    }
+}
+
+/// That a number is outside of its bounds, of which those that only keep numbers finite are not worth a word.
+fn outside(value: f64, min: f64, max: f64) -> String {
+    const ANY: f64 = 1e30;
+    let show = |x: f64| match x.abs() {
+        0.0 => "0".to_owned(),
+        1e-4..1e7 => x.to_string(),
+        _ => format!("{x:e}"),
+    };
+    match (min > -ANY, max < ANY) {
+        (true, false) if value < min => format!("{} is below {}", show(value), show(min)),
+        (false, true) if value > max => format!("{} is above {}", show(value), show(max)),
+        _ => format!(
+            "{} is outside of [{}, {}]",
+            show(value),
+            show(min),
+            show(max)
+        ),
     }
 }

@@ -48,6 +48,9 @@ impl Builder {
             self.widths(object, mesh, &mut highlight)?;
         } else {
             highlight.exponent = self.scalar_parameter(object, "exponent", 30.0, mesh)?;
+            if highlight.exponent.value < 0.0 {
+                return Err(object.property_error("exponent", "cannot be negative"));
+            }
         }
         let mut base = empty_lobe(lobe_kind::DIFFUSE);
         let usage = ColorUse::Reflectance;

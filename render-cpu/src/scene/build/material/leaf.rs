@@ -101,6 +101,7 @@ impl Builder {
                 object.warn(format!(
                     "BSDFs of type \"{other}\" are not supported; a diffuse reflectance of 0.5 is used instead"
                 ))?;
+                object.ignore();
                 lobe.reflectance = RgbParameter::constant([0.5; 3]);
             }
         }

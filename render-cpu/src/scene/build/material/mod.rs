@@ -222,6 +222,11 @@ impl Builder {
                         .cloned()
                         .ok_or_else(|| object.error("needs a nested texture"))?,
                 };
+                let (texture, factor) = match is_normal {
+                    true => (texture, 1.0),
+                    false => without_scales(texture)?,
+                };
+                let scale = factor * object.get_float("scale", 1.0)?;
                 let map = FrameMap {
                     kind: if is_normal {
                         frame_map_kind::NORMAL
@@ -229,7 +234,7 @@ impl Builder {
                         frame_map_kind::BUMP
                     },
                     texture: self.texture(&texture, Field::Share, context.mesh)?,
-                    scale: object.get_float("scale", 1.0)? as f32,
+                    scale: scale as f32,
                     parent: context.frame,
                 };
                 inner.frame = self.tables.frame_maps.len() as u32;
@@ -319,4 +324,19 @@ fn mixture_weights(object: &Object, count: usize) -> Result<Vec<f32>, SceneError
         weights.iter_mut().for_each(|weight| *weight /= sum);
     }
     Ok(weights)
+}
+
+/// A texture of heights, and the number that textures around it multiply it by. It may be negative, which textures of colours are not.
+fn without_scales(mut texture: Arc<Object>) -> Result<(Arc<Object>, f64), SceneError> {
+    let mut factor = 1.0;
+    while texture.plugin == "scale"
+        && texture
+            .get("scale")
+            .is_some_and(|scale| matches!(scale.value, Value::Float(_) | Value::Int(_)))
+        && let Some(nested) = texture.single_child_of(ObjectKind::Texture)?.cloned()
+    {
+        factor *= texture.get_float("scale", 1.0)?;
+        texture = nested;
+    }
+    Ok((texture, factor))
 }

@@ -153,6 +153,28 @@ impl Bsdf {
         }
     }
 
+    /// Makes those rough metals and glass specular that `is_smooth` takes for such; `wi` is the direction for which the material was
+    /// looked up. Hosts only, as the regularisation of path space is, which asks for it.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn sharpen(&mut self, data: &[f32], wi: Vec3, is_smooth: impl Fn(&Lobe) -> bool) {
+        let mut is_changed = false;
+        for i in 0..self.count as usize {
+            let lobe = &mut self.lobes[i];
+            let kind = match lobe.kind {
+                lobe_kind::ROUGH_CONDUCTOR => lobe_kind::CONDUCTOR,
+                lobe_kind::ROUGH_DIELECTRIC if !lobe::has_delta(lobe) => lobe_kind::DIELECTRIC,
+                _ => continue,
+            };
+            if is_smooth(lobe) {
+                lobe.kind = kind;
+                is_changed = true;
+            }
+        }
+        if is_changed {
+            self.select(data, wi);
+        }
+    }
+
     /// Number of lobes.
     #[inline]
     pub fn lobe_count(&self) -> u32 {

@@ -12,6 +12,8 @@ use super::rules::step;
 use super::walk::Walk;
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, Rgb};
+#[cfg(not(target_arch = "spirv"))]
+use crate::regularize::near_specular::is_near_specular;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, SurfacePoint, Tables};
 use glam::Vec3;
@@ -76,8 +78,26 @@ impl Connector<'_> {
         let next = walk.subpath.arrive(tables, &self.rules, &site.point);
         if next == step::SCATTER {
             site.look_up(tables, walk.subpath.ray.direction);
+            self.sharpen(walk.subpath.ray.direction, site);
         }
         (found, next)
+    }
+
+    /// Makes lobes of a surface specular whose roughness its regularisation takes for none, where a walk came along `direction`.
+    #[inline]
+    pub fn sharpen(&self, direction: Vec3, site: &mut ShadingPoint) {
+        // Shaders have no regularisation.
+        #[cfg(not(target_arch = "spirv"))]
+        if self.regularization.half_tangent > 0.0 {
+            let wi = site.point.frame.to_local(-direction);
+            let data = self.tables.data;
+            let own = &self.regularization;
+            site.bsdf.sharpen(data, wi, |lobe| {
+                is_near_specular(lobe, own.quantile, own.half_tangent)
+            });
+        }
+        #[cfg(target_arch = "spirv")]
+        let _ = (direction, site);
     }
 
     /// Whether a walk from the sensor does not see the surface.

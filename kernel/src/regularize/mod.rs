@@ -15,6 +15,7 @@
 //! | [`both_ways`] | the same of a material with the densities of both directions |
 //! | [`settings`] | what a run is asked for, and what one sample has |
 //! | [`heuristic`] | where a path needs it: sampler quality and path diffusion |
+//! | [`near_specular`] | rough lobes that count as specular where path space is regularised |
 //! | [`virtual_merge`] | the alternative by random acceptance |
 //!
 //! Sources: Kaplanyan 2017 (thesis), chapters 5 and 6 (Kaplanyan and Dachsbacher 2013, "Path Space Regularization for
@@ -53,6 +54,7 @@ pub mod bounds;
 pub mod cone;
 pub mod heuristic;
 pub mod mollifier;
+pub mod near_specular;
 pub mod power_bounds;
 pub mod regularized_bsdf;
 pub mod settings;

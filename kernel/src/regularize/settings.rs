@@ -13,6 +13,7 @@
 use super::bandwidth::{TAU_MAX, optimal_exponent, power_law, tau_schedule};
 use super::heuristic::{PathDiffusion, diffusion_threshold, quality_share};
 use super::mollifier;
+use super::near_specular::{DEFAULT_QUANTILE, half_tangent};
 use bytemuck::{Pod, Zeroable};
 
 /// Bits of [`RegularizationSettings::flags`].
@@ -56,6 +57,8 @@ pub struct RegularizationSettings {
     pub fade: f32,
     /// 1 - gamma, by which the radius shrinks with each step of a Markov chain.
     pub one_minus_gamma: f32,
+    /// Share of a rough lobe that lies within the radius where it counts as specular ([`super::near_specular`]); one for none.
+    pub quantile: f32,
 }
 
 impl RegularizationSettings {
@@ -71,6 +74,7 @@ impl RegularizationSettings {
         flags: 0,
         fade: 1.0,
         one_minus_gamma: RegularizationSettings::DEFAULT_RATE,
+        quantile: DEFAULT_QUANTILE,
     };
 
     /// Whether the tau of a vertex, or whether a path is regularised, depends on the path.
@@ -104,6 +108,10 @@ pub struct Regularization {
     pub flags: u32,
     /// See [`RegularizationSettings::fade`].
     pub fade: f32,
+    /// See [`RegularizationSettings::quantile`].
+    pub quantile: f32,
+    /// [`super::near_specular::half_tangent`] of the radius, seen from the scene's radius away.
+    pub half_tangent: f32,
 }
 
 impl Regularization {
@@ -137,6 +145,8 @@ impl Regularization {
         kernel: mollifier::PERLIN,
         flags: 0,
         fade: 1.0,
+        quantile: 1.0,
+        half_tangent: 0.0,
     };
 
     /// That of the sample with an index counted from zero, in a scene of the given radius.
@@ -155,6 +165,7 @@ impl Regularization {
         } else {
             1.0
         };
+        let radius = power_law(settings.radius * unit, n, settings.exponent);
         Regularization {
             // The schedule of the first sample is tau_0 but for rounding.
             tau: if n > 1 {
@@ -162,7 +173,9 @@ impl Regularization {
             } else {
                 settings.tau
             },
-            radius: power_law(settings.radius * unit, n, settings.exponent),
+            radius,
+            half_tangent: half_tangent(radius, scene_radius),
+            quantile: settings.quantile,
             kernel: settings.kernel,
             flags: settings.flags,
             fade: settings.fade,

@@ -35,6 +35,8 @@ use crate::path::Interaction;
 use crate::path::mollified::{Blur, mollified};
 use crate::path::spread::{Spread, emitter_quality};
 use crate::regularize::bandwidth::TAU_MAX;
+#[cfg(not(target_arch = "spirv"))]
+use crate::regularize::near_specular::is_near_specular;
 use crate::regularize::regularized_bsdf::mixture_bound;
 use crate::regularize::settings::{Regularization, flag};
 use crate::regularize::virtual_merge::virtual_merge;
@@ -326,6 +328,15 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Shading
             self.single.path.last_pdf = last_pdf;
         }
         if self.single.next == step::SCATTER {
+            #[cfg(not(target_arch = "spirv"))]
+            if self.regularization.half_tangent > 0.0 {
+                let wi = self.single.path.subpath.local_direction(&self.single.point);
+                let data = self.single.view.tables.data;
+                let own = &self.regularization;
+                self.single.bsdf.sharpen(data, wi, |lobe| {
+                    is_near_specular(lobe, own.quantile, own.half_tangent)
+                });
+            }
             let path = &self.single.path;
             let at = self.single.interaction();
             self.arrived = self.adaptive.spread.arrive(&path.subpath, at.point);

@@ -15,7 +15,8 @@ pub struct RegularizationArgs {
     pub regularize: Option<RegularizationSettings>,
     /// Blur specular surfaces where nothing else finds the light, less with every sample: r0=R is the radius in the first sample,
     /// 1% of the scene's or a length; lambda, kernel, constant and lights=all as well, and gamma, by which Markov chains shrink it
-    /// with each mutation; r0=0 switches it off.
+    /// with each mutation; metals and glass count as specular of whose lobe the share quantile=Q lies within the radius; r0=0
+    /// switches it off.
     #[arg(help_heading = "Algorithm", long, value_name = "r0=R,..", value_parser = parse_mollify)]
     pub mollify: Option<RegularizationSettings>,
 }

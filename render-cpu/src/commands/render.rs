@@ -90,9 +90,12 @@ pub fn run_with(
         );
     }
     if args.asked_layers(&scene).contains(Aov::Regularization)
-        && !scene.settings.regularization.is_some()
+        && (!scene.settings.regularization.is_some() || shape(scene.settings.kind) == Shape::Chains)
     {
-        return Err("the layer regularization is of --regularize and --mollify".into());
+        return Err(
+            "the layer regularization is of --regularize and --mollify in path, bdpt and vcm"
+                .into(),
+        );
     }
     if args.adaptive && shape(scene.settings.kind) != Shape::Pixels {
         return Err(

@@ -117,7 +117,13 @@ fn passed(eta: f64) -> f64 {
 
 /// A point light in a mirror, seen by a pinhole.
 pub fn mirror_on_axis() -> String {
-    camera(0.0, 30.0) + &light(1.0) + MIRROR
+    mirror_of(r#"<bsdf type="conductor"><string name="material" value="none"/></bsdf>"#)
+}
+
+/// The same with another material.
+pub fn mirror_of(bsdf: &str) -> String {
+    let conductor = r#"<bsdf type="conductor"><string name="material" value="none"/></bsdf>"#;
+    camera(0.0, 30.0) + &light(1.0) + &MIRROR.replace(conductor, bsdf)
 }
 
 fn axes() -> [Axis; 4] {

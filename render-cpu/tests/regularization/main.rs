@@ -2,6 +2,7 @@
 
 mod known_answers;
 mod layers;
+mod near_specular;
 mod no_harm;
 mod panel;
 mod scenes;

@@ -122,7 +122,7 @@ layouts! {
         lens_weight, caustic_weight, multi_chain_weight, manifold_weight, half_vector_weight, lambda, half_vector_flags,
         half_vector_step, two_stage
     }
-    regularization, RegularizationSettings { tau, radius, exponent, kernel, flags, fade, one_minus_gamma }
+    regularization, RegularizationSettings { tau, radius, exponent, kernel, flags, fade, one_minus_gamma, quantile }
     constants, SceneConstants { camera, info, settings }
     item, WorkItem { pixel, sample, slot }
     dispatch, Dispatch { count, seed, sampler, first }

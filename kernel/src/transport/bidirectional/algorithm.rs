@@ -354,6 +354,7 @@ impl<'a> Bidirectional<'a> {
         let connector = &self.connector;
         let own = &connector.regularization;
         let direction = vertex.look_up(connector.tables, site);
+        connector.sharpen(direction, site);
         let end = LightEnd::new(
             vertex,
             site.interaction(direction).regularized(own.tau, own.flags),

@@ -40,7 +40,11 @@ impl Annealing {
     /// Of a group, in a scene of the given radius.
     pub fn of_group(settings: &RegularizationSettings, scene_radius: f32, group: u32) -> Annealing {
         Annealing {
-            start: Regularization::of_sample(settings, scene_radius, group),
+            start: Regularization {
+                // Paths of chains keep what is rough.
+                half_tangent: 0.0,
+                ..Regularization::of_sample(settings, scene_radius, group)
+            },
             one_minus_gamma: settings.one_minus_gamma,
         }
     }

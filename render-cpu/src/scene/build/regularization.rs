@@ -167,6 +167,11 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
                     .ok_or("gamma lies between 0 and 1, as 0.9999")?;
                 rate = Some((1.0 - gamma) as f32);
             }
+            Some(("quantile", value)) => {
+                own.quantile = number(value, |v| v > 0.0 && v <= 1.0)
+                    .ok_or("quantile is a share above 0, 1 for none")?
+                    as f32;
+            }
             Some(("kernel", name)) => {
                 own.kernel = match name {
                     "constant" => mollifier::CONSTANT,
@@ -179,7 +184,7 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
             _ => shared(
                 word,
                 &mut own,
-                "r0=1%, lambda=0.167, gamma=0.9999, kernel=perlin, constant and lights=all",
+                "r0=1%, lambda=0.167, gamma=0.9999, kernel=perlin, quantile=0.9, constant and lights=all",
             )?,
         }
     }

@@ -46,15 +46,20 @@ const FEWEST: usize = 20;
 const FALSE_ALARM: f64 = 1e-3;
 
 /// Number of tests.
-const TESTS: f64 = 60.0;
+const TESTS: f64 = 120.0;
 
 /// A cell of the states.
 type Cell = fn(&Observation) -> usize;
 
-const PARTITIONS: [(&str, Cell); 3] = [
+const PARTITIONS: [(&str, Cell); 5] = [
     ("edges", |o| o.edges.min(9) as usize),
     ("blocks", |o| {
         (o.film.y as usize / 2) * 4 + o.film.x as usize / 2
+    }),
+    ("pixels", |o| o.film.y as usize * 8 + o.film.x as usize),
+    // What a wrong factor in a density changes first.
+    ("octaves of light", |o| {
+        (o.luminance.log2() + 32.0).clamp(0.0, 63.0) as usize
     }),
     ("emitters", |o| o.emitter as usize),
 ];
@@ -322,7 +327,7 @@ fn primary_samples_stay_in_their_distribution() {
                 let space = PrimarySpace::new(view, settings, kind, 1);
                 let chains = PrimaryChains::new(space, p_large, 1, 0);
                 let what = format!("{name}, {step}");
-                results.extend(keeps(&what, &PARTITIONS[..2], |group| {
+                results.extend(keeps(&what, &PARTITIONS[..4], |group| {
                     chains.of_group(group)
                 }));
             }

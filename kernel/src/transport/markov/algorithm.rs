@@ -58,6 +58,8 @@ pub struct Observation {
     pub emitter: u32,
     /// Film position, in pixels of the whole film; of several the brightest.
     pub film: Vec2,
+    /// Luminance of F.
+    pub luminance: f32,
 }
 
 /// Counts of what became of proposals.

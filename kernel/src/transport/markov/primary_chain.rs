@@ -261,6 +261,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
         Some(Observation {
             edges: splats.len() as u32,
             film: brightest.film,
+            luminance: splats.iter().map(|splat| luminance(splat.value)).sum(),
             ..Observation::default()
         })
     }

@@ -265,6 +265,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
             edges: path.edges() as u32,
             emitter: path.emitter,
             film: path.film,
+            luminance: path.luminance(),
         })
     }
 

@@ -69,3 +69,36 @@ fn messages_quote_names_as_the_file_has_them() {
     let said = files.scene("0.6.0", skin).unwrap().warnings[0].to_string();
     assert!(said.contains("<subsurface>"), "{said}");
 }
+
+#[test]
+fn libraries_are_found_by_the_names_that_other_systems_give() {
+    let library = b"newmtl a\nKd 0.7 0 0\nmap_d Holes.PNG\n";
+    let one = |line: &str| format!("mtllib {line}\n{CUBE}usemtl a\n{BOTTOM}{TOP}").into_bytes();
+    let mut png = std::io::Cursor::new(Vec::new());
+    let grey = image::GrayImage::from_pixel(1, 1, image::Luma([99]));
+    grey.write_to(&mut png, image::ImageFormat::Png)
+        .expect("an image");
+    let files = Files::new(&[
+        ("a b.mtl", library),
+        ("c.mtl", library),
+        ("holes.png", &png.into_inner()),
+        ("plain.obj", &one("c.mtl")),
+        ("blank.obj", &one("a b.mtl")),
+        ("quoted.obj", &one("\"a b.mtl\"")),
+        ("windows.obj", &one("C:\\Users\\me\\c.mtl")),
+        ("case.obj", &one("C.MTL")),
+        ("none.obj", &one("d.mtl")),
+    ]);
+    let plain = files.clean("0.6.0", &shape("obj", "plain.obj", ""));
+    for file in ["blank.obj", "quoted.obj", "windows.obj", "case.obj"] {
+        let found = files.clean("0.6.0", &shape("obj", file, ""));
+        assert_eq!(found, plain, "{file}");
+    }
+    let scene = files.scene("0.6.0", &shape("obj", "none.obj", ""));
+    let warnings = scene.expect("a scene").warnings;
+    assert!(
+        warnings[0]
+            .to_string()
+            .contains("d.mtl (mtllib) is not there")
+    );
+}

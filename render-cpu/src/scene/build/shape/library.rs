@@ -80,10 +80,7 @@ fn find_maps(object: &Object, library: &Path, folder: &Path, material: &mut MtlM
         let Some(map) = slot else {
             continue;
         };
-        let bare = map.file.rsplit('/').next().unwrap_or_default();
-        let is_file = |path: &PathBuf| path.is_file();
-        let found = find(&folders, &map.file).filter(is_file);
-        match found.or_else(|| find(&folders, bare).filter(is_file)) {
+        match locate(&folders, &map.file) {
             Some(path) => {
                 // The library is read like a scene file in its own folder.
                 let path = path.canonicalize().unwrap_or(path);
@@ -121,23 +118,48 @@ fn say_what_is_lost(
 /// Where the libraries are: a line names one file, blanks and all, or several.
 fn files(object: &Object, libraries: &[String], folder: &Path) -> Result<Vec<PathBuf>, SceneError> {
     let mut files = Vec::new();
+    let folders = [folder.to_path_buf()];
     for line in libraries {
-        let whole = folder.join(line);
-        if whole.is_file() {
+        // A name with blanks, or several names.
+        let line = line.trim_matches('"');
+        if let Some(whole) = locate(&folders, line) {
             files.push(whole);
             continue;
         }
         for word in line.split_whitespace() {
-            let path = folder.join(word);
-            if path.is_file() {
-                files.push(path);
-            } else {
-                object.property_warn(
+            match locate(&folders, word) {
+                Some(path) => files.push(path),
+                None => object.property_warn(
                     "filename",
-                    format!("the library {} (mtllib) is not there", path.display()),
-                )?;
+                    format!(
+                        "the library {} (mtllib) is not there",
+                        folder.join(word).display()
+                    ),
+                )?,
             }
         }
     }
     Ok(files)
+}
+
+/// A file as it is named, or of that name without its folders, which are those of another machine, or, as on other systems, with
+/// letters of the other case.
+fn locate(folders: &[PathBuf], name: &str) -> Option<PathBuf> {
+    let is_file = |path: &PathBuf| path.is_file();
+    let bare = name.rsplit(['/', '\\']).next().unwrap_or_default();
+    let in_any_case = || {
+        let entries = folders.iter().filter_map(|f| f.read_dir().ok()).flatten();
+        let mut same: Vec<PathBuf> = entries
+            .flatten()
+            .filter(|entry| entry.file_name().eq_ignore_ascii_case(bare))
+            .map(|entry| entry.path())
+            .filter(is_file)
+            .collect();
+        same.sort();
+        same.into_iter().next()
+    };
+    let found = find(folders, name).filter(is_file);
+    found
+        .or_else(|| find(folders, bare).filter(is_file))
+        .or_else(in_any_case)
 }

@@ -101,6 +101,55 @@ fn mollified_chains_have_the_image_of_mollified_bidirectional_path_tracing() {
     report(results);
 }
 
+/// A point light in a ball of glass, seen in a mirror that fills most of the view (as in Kaplanyan 2017, figure 6.6).
+fn light_behind_glass_in_a_mirror() -> Scene {
+    let view = PINHOLE
+        .replace(r#"value="60""#, r#"value="20""#)
+        .replace("0, 0.9, 0", "1.122, 1.2, -1.337");
+    let light = POINT.replace("0, 1.7, 0", "0, 1.2, 0");
+    let glass = BALL
+        .replace("0.2, 0.5, 0", "0, 1.2, 0")
+        .replace("0.4", "0.25");
+    let content = [&view, &room(DIFFUSE), &light, &glass, MIRROR].concat();
+    let mut scene = scene(&content, &[]);
+    scene.settings.rules.max_depth = 5;
+    scene.settings.photon.photon_count = 2000;
+    scene
+}
+
+#[test]
+fn a_light_behind_glass_is_seen_in_a_mirror_by_mollified_chains_alone() {
+    let mut scene = light_behind_glass_in_a_mirror();
+    scene.settings.regularization = parse_mollify("r0=0.3,kernel=constant,constant").unwrap();
+    let settings = settings_of(&scene, BDPT);
+    let truth = Batches::render("in a mirror", &mut scene, settings, 512);
+    let mut results = Vec::new();
+    for (name, kind) in [("pssmlt", PRIMARY), ("mlt", WHOLE)] {
+        let settings = IntegratorSettings {
+            chains: chains(ALL),
+            ..settings_of(&scene, kind)
+        };
+        let found = Batches::render(name, &mut scene, settings, 4);
+        results.push(compare(name, &truth, &found));
+    }
+    report(results);
+    // Others do not come near.
+    scene.settings.regularization = parse_mollify("r0=0").unwrap();
+    for (name, kind, samples) in [
+        ("mlt", WHOLE, 4),
+        ("vcm", integrator_kind::VERTEX_MERGING, 64),
+        ("mcppm", integrator_kind::METROPOLIS_PHOTONS, 64),
+    ] {
+        let settings = IntegratorSettings {
+            chains: chains(ALL),
+            ..settings_of(&scene, kind)
+        };
+        let found = Batches::render(name, &mut scene, settings, samples);
+        let (found, all) = (found.mean(), truth.mean());
+        assert!(found[0] < 0.2 * all[0], "{name}: {found:?} of {all:?}");
+    }
+}
+
 #[test]
 fn chains_of_primary_samples_have_the_image_of_regularised_bidirectional_path_tracing() {
     let wall = r#"<bsdf type="roughconductor"><float name="alpha" value="0.05"/></bsdf>"#;

@@ -21,7 +21,7 @@ pub struct Variant {
 
 /// What is compared: none, a sweep of tau, a tau that stays, heuristics, weights that know nothing of regularisation,
 /// virtual merges, and path space.
-pub const VARIANTS: [Variant; 11] = [
+pub const VARIANTS: [Variant; 14] = [
     variant("none", ""),
     variant("tau 10", "tau=10"),
     variant("tau 30", "tau=30"),
@@ -31,6 +31,12 @@ pub const VARIANTS: [Variant; 11] = [
     variant("tau 30, quality", "tau=30,quality"),
     variant("tau 30, both heuristics", "tau=30,quality,diffusion"),
     variant("tau 30, plain weights", "tau=30,weights=plain"),
+    variant(
+        "tau 30, constant, plain weights",
+        "tau=30,constant,weights=plain",
+    ),
+    variant("tau 10, both heuristics", "tau=10,quality,diffusion"),
+    variant("tau 1000, both heuristics", "tau=1000,quality,diffusion"),
     variant("tau 30, virtual merge", "tau=30,virtual"),
     variant("r0 1 %", "r0=1%"),
 ];

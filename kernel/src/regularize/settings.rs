@@ -28,8 +28,8 @@ pub mod flag {
     pub const QUALITY: u32 = 8;
     /// tau grows where the walk from the sensor is sharp ([`super::super::heuristic::PathDiffusion`]).
     pub const DIFFUSION: u32 = 16;
-    /// For comparison: weights by the densities of the model itself (the paper's figure 3, left), which is a partition of one
-    /// too, but one that does not know how large the contributions are.
+    /// For comparison: weights by the densities of the model itself (the paper's figure 3, left), which do not know
+    /// how large the contributions are. A partition of one where no vertex is specular; where one is, light is counted twice.
     pub const PLAIN_WEIGHTS: u32 = 32;
     /// For tests: values of the model itself, with the weights of regularisation. Without specular surfaces this has the mean
     /// of the algorithm without regularisation, if the weights are a partition of one.

@@ -321,7 +321,7 @@ impl Film {
                 self.aov_sums[pixel * self.sums_per_pixel() + self.aovs.offset(aov)]
             }
             Aov::Acceptance | Aov::Iterations | Aov::Jumps if self.aovs.contains(aov) => {
-                let start = pixel * self.aovs.accumulators() + self.aovs.offset(aov);
+                let start = pixel * self.sums_per_pixel() + self.aovs.offset(aov);
                 let [sum, number] = [0, 1].map(|i| self.aov_sums[start + i]);
                 if number > 0.0 { sum / number } else { 0.0 }
             }

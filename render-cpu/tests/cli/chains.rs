@@ -128,3 +128,35 @@ fn killed_chains_resume_to_the_same_bits_and_counts() {
         );
     }
 }
+
+/// Sums of layers stand beside those of maps in the film.
+#[test]
+fn layers_of_expressions_leave_maps_as_they_are() {
+    let place = place("mlt");
+    let common = ["render", "chains.xml", "--spp", "16", "--no-png"];
+    let maps = [
+        "--direct-samples",
+        "0",
+        "--aov",
+        "acceptance,iterations,jumps",
+        "-o",
+    ];
+    let common = [&common[..], &maps].concat();
+    place.succeed(&[&common[..], &["alone.exr"]].concat());
+    let layers = [
+        "beside.exr",
+        "--lpe",
+        "direct=L D E",
+        "--lpe",
+        "rest=L X X+ E",
+    ];
+    place.succeed(&[&common[..], &layers].concat());
+    let (alone, beside) = (place.channels("alone.exr"), place.channels("beside.exr"));
+    for name in ["acceptance", "iterations", "jumps"] {
+        let of = |channels: &[(String, Vec<u32>)]| {
+            let found = channels.iter().find(|(n, _)| n == name);
+            found.expect("a map").1.clone()
+        };
+        assert_eq!(of(&alone), of(&beside), "{name}");
+    }
+}

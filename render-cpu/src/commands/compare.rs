@@ -179,6 +179,7 @@ fn failures(
                 metric,
                 why: match metric {
                     Metric::ZTest => comparison.no_ztest.to_owned(),
+                    Metric::ReferenceVariance => "the reference has no variance layer".to_owned(),
                     _ => "they are too small".to_owned(),
                 },
             })?;
@@ -219,13 +220,16 @@ fn to_table(
             ),
             (Metric::ZTest, None, _) => format!("none: {}", comparison.no_ztest),
             (_, Some(value), _) => number(value),
+            (Metric::ReferenceVariance, None, _) => {
+                "none: the reference has no variance layer".to_owned()
+            }
             (_, None, _) => "none: the images are too small".to_owned(),
         };
-        lines.push(format!("  {metric:<14}{value}"));
+        lines.push(format!("  {metric:<22}{value}"));
     }
     if let Some(outcome) = &comparison.ztest {
         lines.push(format!(
-            "  {:<14}mean z {}, |z| > 3 in {:.3} % of the values, noise correlation {}",
+            "  {:<22}mean z {}, |z| > 3 in {:.3} % of the values, noise correlation {}",
             "",
             number(outcome.mean_z),
             100.0 * outcome.share_above_3,
@@ -233,7 +237,7 @@ fn to_table(
         ));
         for level in &outcome.levels {
             lines.push(format!(
-                "  {:<14}{:<12} worst z {:>9} in {} at ({}, {}), severity {}",
+                "  {:<22}{:<12} worst z {:>9} in {} at ({}, {}), severity {}",
                 "",
                 level_name(level),
                 number(level.z),

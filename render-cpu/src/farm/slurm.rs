@@ -184,9 +184,15 @@ pub fn write_scripts(
 /// When the farm has no scripts for Slurm.
 pub fn read_options(folder: &Folder) -> Result<SlurmOptions, FarmError> {
     let file = folder.0.join("slurm.json");
-    let text = std::fs::read(&file).map_err(|source| FarmError::Io {
-        file: file.clone(),
-        source,
+    let text = std::fs::read(&file).map_err(|source| match source.kind() {
+        std::io::ErrorKind::NotFound => FarmError::Request(format!(
+            "{} has no scripts for Slurm (it was made by farm plan): run its tasks by \"halflight farm task\"",
+            folder.0.display()
+        )),
+        _ => FarmError::Io {
+            file: file.clone(),
+            source,
+        },
     })?;
     serde_json::from_slice(&text).map_err(|e| FarmError::Malformed {
         file,

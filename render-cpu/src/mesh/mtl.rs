@@ -64,6 +64,9 @@ pub fn read(bytes: &[u8]) -> Vec<MtlMaterial> {
             material.set(&String::from_utf8_lossy(keyword), rest, number);
         }
     }
+    for material in &mut materials {
+        material.say_lost_highlight();
+    }
     materials
 }
 
@@ -146,6 +149,24 @@ impl MtlMaterial {
         }
     }
 
+    /// Whether it shines by Phong's model where that is asked for.
+    fn has_highlight(&self) -> bool {
+        self.exponent > 0.0 && self.has_specular()
+    }
+
+    fn has_specular(&self) -> bool {
+        self.specular_map.is_some() || self.specular.iter().any(|v| *v > 0.0)
+    }
+
+    fn say_lost_highlight(&mut self) {
+        let is_shiny = matches!(self.model, 4..=9) || self.model == 2 && self.has_highlight();
+        if self.has_specular() && !is_shiny {
+            let what =
+                "its highlight (Ks) is left out: that takes illum 2 and an exponent Ns above 0";
+            self.warnings.push((self.line, what.to_owned()));
+        }
+    }
+
     /// Its maps, which may be taken away.
     pub fn maps(&mut self) -> [&mut Option<Map>; 4] {
         [
@@ -158,8 +179,6 @@ impl MtlMaterial {
 
     /// The BSDF as XML of version 0.6, with its maps by name.
     pub fn bsdf(&self) -> String {
-        let has_highlight = self.exponent > 0.0
-            && (self.specular_map.is_some() || self.specular.iter().any(|v| *v > 0.0));
         let value = |name: &str, color: [f32; 3], map: &Option<Map>| match map {
             Some(map) => map.texture(name),
             None => {
@@ -168,7 +187,7 @@ impl MtlMaterial {
             }
         };
         let mut bsdf = match self.model {
-            2 if has_highlight => format!(
+            2 if self.has_highlight() => format!(
                 "<bsdf type=\"phong\">{}{}<float name=\"exponent\" value=\"{}\"/></bsdf>",
                 value("diffuseReflectance", self.diffuse, &self.diffuse_map),
                 value("specularReflectance", self.specular, &self.specular_map),
@@ -325,6 +344,20 @@ mod tests {
             let said = &materials[0].warnings;
             assert_eq!(said.len(), 1, "{line}: {said:?}");
             assert!(said[0].0 == 2 && said[0].1.contains(words), "{said:?}");
+        }
+        for (lines, is_lost) in [
+            ("illum 3\nKs 1 1 1\nNs 500", true),
+            ("Kd 0.3 0.3 0.3\nKs 0.5 0.5 0.5\nNs 100", true),
+            ("illum 2\nKs 0.5 0.5 0.5", true),
+            ("illum 2\nKs 0.5 0.5 0.5\nNs 100", false),
+            ("illum 5\nKs 1 1 1", false),
+            ("illum 3\nKs 0 0 0", false),
+        ] {
+            let said = &read(format!("newmtl a\n{lines}\n").as_bytes())[0].warnings;
+            let is_said = said
+                .iter()
+                .any(|(_, what)| what.contains("(Ks) is left out"));
+            assert_eq!(is_said, is_lost, "{lines}: {said:?}");
         }
     }
 }

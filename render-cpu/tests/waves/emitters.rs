@@ -93,7 +93,7 @@ const DELTA: [&str; 6] = [
     r#"<emitter type="projector"><transform name="to_world"><lookat origin="0, 1, 3.5" target="0, 0, 0" up="0, 1, 0"/>
         </transform><float name="fov" value="50"/>
         <texture name="irradiance" type="bitmap"><string name="filename" value="color.png"/></texture></emitter>"#,
-    r#"<emitter type="projector"><transform name="to_world"><lookat origin="0, 1, 3.5" target="0, 0, 0" up="0, 1, 0"/>
+    r#"<emitter type="projector"><float name="fov" value="45"/><transform name="to_world"><lookat origin="0, 1, 3.5" target="0, 0, 0" up="0, 1, 0"/>
         </transform><float name="scale" value="3"/></emitter>"#,
 ];
 

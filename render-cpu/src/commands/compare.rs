@@ -52,6 +52,9 @@ pub struct CompareArgs {
     pub reference_spp: Option<f64>,
 }
 
+/// Why there is no reference variance.
+const NO_VARIANCE: &str = "the reference has no variance layer";
+
 /// Why images were not compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareCommandError {
@@ -179,7 +182,7 @@ fn failures(
                 metric,
                 why: match metric {
                     Metric::ZTest => comparison.no_ztest.to_owned(),
-                    Metric::ReferenceVariance => "the reference has no variance layer".to_owned(),
+                    Metric::ReferenceVariance => NO_VARIANCE.to_owned(),
                     _ => "they are too small".to_owned(),
                 },
             })?;
@@ -221,7 +224,7 @@ fn to_table(
             (Metric::ZTest, None, _) => format!("none: {}", comparison.no_ztest),
             (_, Some(value), _) => number(value),
             (Metric::ReferenceVariance, None, _) => {
-                "none: the reference has no variance layer".to_owned()
+                format!("none: {NO_VARIANCE}")
             }
             (_, None, _) => "none: the images are too small".to_owned(),
         };

@@ -31,11 +31,11 @@ use crate::regularize::settings::Regularization;
 use crate::sampler::Sampler;
 use crate::scene::camera::CameraSample;
 use crate::scene::emitter::emission::EmissionSample;
-use crate::scene::{Hit, NONE, SceneView, Tables, Traverse, camera};
+use crate::scene::{Hit, NONE, SceneView, Tables, Traverse};
 use crate::transport::photon::merging::PassPhotons;
 use crate::transport::photon::tracing::{PhotonStore, PhotonTracer};
 use arrayvec::ArrayVec;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Most edges of a path.
 pub const MAX_EDGES: u32 = MAX_INNER as u32;
@@ -186,11 +186,7 @@ impl<'a> Adaptive<'a> {
             let index = room.light.len();
             room.light.push(node);
             if strategies.light_image && (at.is_connectable() || node.is_raised) {
-                let u_lens = if camera::has_lens_points(&tables.camera) {
-                    sampler.next_2d()
-                } else {
-                    Vec2::ZERO
-                };
+                let u_lens = self.algorithm.lens_numbers(sampler);
                 let ends = Ends {
                     nodes: &room.light,
                     path: &mut room.path,

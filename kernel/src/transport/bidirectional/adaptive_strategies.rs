@@ -15,7 +15,6 @@ use crate::regularize::heuristic::{PathDiffusion, SamplerQuality};
 use crate::regularize::mollifier;
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{EmissionSample, light_cosine};
-use crate::scene::emitter::{DirectSample, sample_direct_with_point};
 use crate::scene::{Hit, NONE, SurfacePoint, camera};
 use crate::transport::photon::estimate::{KERNEL, for_photons_within, incidence};
 use crate::transport::photon::merging::merging_weight;
@@ -193,13 +192,7 @@ impl Adaptive<'_> {
         let connector = &self.algorithm.connector;
         let tables = connector.tables;
         let position = seen.at.point.position;
-        let (light, point): (DirectSample, SurfacePoint) = if connector.strategies.sample_direct {
-            let u_select = sampler.next_1d();
-            let u = sampler.next_2d();
-            sample_direct_with_point(tables, position, u_select, u)
-        } else {
-            (connector.start_sample(position, start), start.point)
-        };
+        let (light, point) = self.algorithm.light_sample(position, start, sampler);
         if !light.is_some() {
             return;
         }
@@ -262,14 +255,11 @@ impl Adaptive<'_> {
         let tables = connector.tables;
         let node = &ends.nodes[end];
         let at = seen.at;
-        let edges = node.vertex.depth.saturating_add(seen.walk.subpath.depth);
-        if !connector.allows_edges(edges.saturating_add(2)) {
+        let algorithm = &self.algorithm;
+        if !algorithm.may_connect(seen.walk, at, at.facing(), &node.vertex) {
             return;
         }
         let between = vec3(node.vertex.position) - at.point.position;
-        if at.facing().dot(between) < 0.0 || vec3(node.vertex.facing).dot(between) > 0.0 {
-            return;
-        }
         let length = between.length();
         if !(length > 0.0) {
             return;

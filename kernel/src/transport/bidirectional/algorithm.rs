@@ -9,9 +9,9 @@ use crate::path::{
 };
 use crate::regularize::settings::Regularization;
 use crate::sampler::Sampler;
-use crate::scene::emitter;
 use crate::scene::emitter::emission::{self, EmissionSample};
-use crate::scene::{Hit, NONE, Tables, camera};
+use crate::scene::emitter::{self, DirectSample};
+use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera};
 use crate::transport::photon::merging::merging_share;
 use crate::transport::settings::{IntegratorSettings, integrator_kind};
 use glam::{Vec2, Vec3};
@@ -145,6 +145,22 @@ impl<'a> Bidirectional<'a> {
         } else {
             Vec2::ZERO
         }
+    }
+
+    /// A sample of light for a surface at `position`, with a point of its emitter: drawn for it, or the `start` of the light walk.
+    pub(crate) fn light_sample<S: Sampler>(
+        &self,
+        position: Vec3,
+        start: &EmissionSample,
+        sampler: &mut S,
+    ) -> (DirectSample, SurfacePoint) {
+        let connector = &self.connector;
+        if !connector.strategies.sample_direct {
+            return (connector.start_sample(position, start), start.point);
+        }
+        let u_select = sampler.next_1d();
+        let u = sampler.next_2d();
+        emitter::sample_direct_with_point(connector.tables, position, u_select, u)
     }
 
     /// The vertex at which a walk has arrived, as it is connected.
@@ -327,12 +343,11 @@ impl<'a> Bidirectional<'a> {
         add: &mut impl Contributions,
     ) {
         let connector = &self.connector;
-        let (h, most) = (connector.strategies.heuristic, connector.rules.max_depth);
         let share = 1.0 / self.connections as f32;
         let mut k = 0;
         while k < self.connections {
             let u = sampler.next_2d();
-            let (index, factor) = light.shared.choose(light.store, walk, at, h, most, u);
+            let (index, factor) = light.shared.choose(light.store, connector, walk, at, u);
             if index != NONE {
                 let vertex = light.store.get(index);
                 self.connect_to(walk, at, site, &vertex, factor * share, add);

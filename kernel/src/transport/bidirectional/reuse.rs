@@ -25,7 +25,7 @@
 //! Invariants (tests): the mean is that of connections with one's own light walk.
 
 use crate::math::{float, luminance, vec3};
-use crate::path::{Heuristic, Interaction, PathVertex, Walk};
+use crate::path::{Connector, Heuristic, Interaction, PathVertex, Walk};
 use crate::scene::NONE;
 use crate::transport::bidirectional::algorithm::VertexStore;
 use core::f32::consts::FRAC_1_PI;
@@ -58,10 +58,9 @@ impl SharedWalks {
     pub fn choose<V: VertexStore>(
         &self,
         store: &V,
+        connector: &Connector<'_>,
         walk: &Walk,
         at: &Interaction<'_>,
-        h: Heuristic,
-        most_edges: u32,
         u: Vec2,
     ) -> (u32, f32) {
         let count = self.vertices;
@@ -71,17 +70,17 @@ impl SharedWalks {
         let candidates = count.min(CANDIDATES);
         let stride = count / candidates;
         let mut index = ((u.x * count as f32) as u32).min(count - 1);
-        let facing = at.facing();
+        let (facing, h) = (at.facing(), connector.strategies.heuristic);
         let mut u = u.y;
         let (mut sum, mut chosen, mut of_chosen) = (0.0, NONE, 0.0);
         let mut k = 0;
         while k < candidates {
             let vertex = store.get(index);
             let edges = vertex.depth.saturating_add(walk.subpath.depth);
-            let c = if edges.saturating_add(2) > most_edges {
-                0.0
-            } else {
+            let c = if connector.allows_edges(edges.saturating_add(2)) {
                 estimate(&vertex, at.point.position, facing, walk.arrived.d_vcm, h)
+            } else {
+                0.0
             };
             if c > 0.0 {
                 sum += c;

@@ -9,7 +9,6 @@ use crate::path::retargeted::Retargeted;
 use crate::path::{Contribution, Interaction, LightEnd, ShadingPoint, Walk};
 use crate::regularize::mollifier;
 use crate::sampler::Sampler;
-use crate::scene::emitter::sample_direct_with_point;
 use crate::scene::{NONE, Traverse};
 use crate::transport::bidirectional::{VertexStore, Watcher};
 use crate::transport::photon::estimate::{KERNEL, for_photons_within, incidence};
@@ -27,16 +26,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
     ) {
         let connector = &self.algorithm.connector;
         let position = at.point.position;
-        let (light, point) = if connector.strategies.sample_direct {
-            let u_select = sampler.next_1d();
-            let u = sampler.next_2d();
-            sample_direct_with_point(connector.tables, position, u_select, u)
-        } else {
-            (
-                connector.start_sample(position, &self.start),
-                self.start.point,
-            )
-        };
+        let (light, point) = self.algorithm.light_sample(position, &self.start, sampler);
         if !light.is_some() {
             return;
         }

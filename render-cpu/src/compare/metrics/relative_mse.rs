@@ -7,14 +7,16 @@ use super::{RgbImage, assert_same_size, mean_over_channels};
 /// What is added to the squared reference.
 pub const EPSILON: f64 = 0.01;
 
+fn relative_square(a: f64, b: f64) -> f64 {
+    (a - b) * (a - b) / (b * b + EPSILON)
+}
+
 /// Relative mean squared error.
 ///
 /// # Panics
 /// If the sizes differ.
 pub fn relative_mse(image: &RgbImage, reference: &RgbImage) -> f64 {
-    mean_over_channels(image, reference, |a, b| {
-        (a - b) * (a - b) / (b * b + EPSILON)
-    })
+    mean_over_channels(image, reference, relative_square)
 }
 
 /// Share of the pixels that [`trimmed_relative_mse`] leaves out.
@@ -28,8 +30,7 @@ pub const TRIMMED: f64 = 0.001;
 pub fn trimmed_relative_mse(image: &RgbImage, reference: &RgbImage) -> f64 {
     assert_same_size(image, reference);
     let error = |(a, b): (&[f64; 3], &[f64; 3])| {
-        let of_channel = |c: usize| (a[c] - b[c]).powi(2) / (b[c] * b[c] + EPSILON);
-        (0..3).map(of_channel).sum::<f64>() / 3.0
+        (0..3).map(|c| relative_square(a[c], b[c])).sum::<f64>() / 3.0
     };
     let pairs = image.pixels.iter().zip(&reference.pixels);
     let mut errors: Vec<f64> = pairs.map(error).collect();

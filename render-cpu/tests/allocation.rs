@@ -1,5 +1,8 @@
 //! Nothing inside a pixel's work allocates.
 
+#[path = "common/vertices.rs"]
+mod vertices;
+
 use halflight::accel::{Accel, CpuTraverse};
 use halflight::film::Film;
 use halflight::film::aov::AovSet;
@@ -7,17 +10,17 @@ use halflight::processor;
 use halflight::render::{Goal, NoObserver, RenderOptions, RunState, render};
 use halflight::scene::build::{BuildOptions, build_scene};
 use halflight::scene::xml::parse_scene;
-use halflight_kernel::path::PathVertex;
 use halflight_kernel::sampler::{AnySampler, IndependentSampler, LaneSampler, SobolSampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::simd::SimdLevel;
-use halflight_kernel::transport::bidirectional::{self, VertexStore};
+use halflight_kernel::transport::bidirectional;
 use halflight_kernel::transport::wavefront::Wavefront;
 use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use vertices::Vertices;
 
 /// Counts the allocations of each thread by itself: those that built the tree may still be settling down.
 struct Counting;
@@ -126,20 +129,6 @@ fn no_sample_of_any_integrator_allocates() {
     assert!(allocations() > before, "the counter counts nothing");
 }
 
-/// Vertices of one light walk, in room that is kept.
-struct Store(Vec<PathVertex>);
-
-impl VertexStore for Store {
-    fn push(&mut self, vertex: &PathVertex) -> u32 {
-        self.0.push(*vertex);
-        self.0.len() as u32 - 1
-    }
-
-    fn get(&self, index: u32) -> PathVertex {
-        self.0[index as usize]
-    }
-}
-
 #[test]
 fn no_sample_of_two_walks_allocates() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
@@ -155,7 +144,7 @@ fn no_sample_of_two_walks_allocates() {
             traverse: &traverse,
         };
         let [width, height] = tables.camera.crop_size;
-        let mut store = Store(Vec::with_capacity(4096));
+        let mut store = Vertices(Vec::with_capacity(4096));
         for kind in [
             integrator_kind::BIDIRECTIONAL,
             integrator_kind::LIGHT_TRACING,

@@ -1,13 +1,12 @@
 //! Scenes from text, and what their tests need.
 
-use halflight::accel::{Accel, CpuTraverse};
+#[path = "../common/view.rs"]
+mod view;
+
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene;
-use halflight_kernel::scene::SceneView;
 use std::path::Path;
-
-/// The view that tests see.
-pub type View<'a> = SceneView<'a, CpuTraverse<'a>>;
+pub use view::{View, with_view};
 
 /// A file's name and what writes it.
 pub type NamedFile<'a> = (&'a str, &'a dyn Fn(&Path));
@@ -22,17 +21,6 @@ pub fn scene(content: &str, files: &[NamedFile<'_>]) -> Scene {
     std::fs::write(&path, format!("<scene version=\"3.0.0\">{content}</scene>")).unwrap();
     let parsed = parse_scene(&path, &[], true).unwrap();
     build_scene(&parsed, &BuildOptions::default()).unwrap()
-}
-
-/// Calls `test` with the scene's tables and its ray tracer.
-pub fn with_view(scene: &Scene, test: impl FnOnce(&View<'_>)) {
-    let tables = scene.tables.view();
-    let accel = Accel::build(tables, &scene.tables.groups);
-    let traverse = accel.traverse(tables);
-    test(&SceneView {
-        tables,
-        traverse: &traverse,
-    });
 }
 
 /// A pinhole of 8 by 6 pixels that looks into the room of [`room`].

@@ -23,17 +23,12 @@ const SAMPLES: Samples = Samples {
 };
 
 /// Chains of a length that is a whole number of stages; whole paths by nothing but these mutations.
-fn chains([bidirectional, lens, caustic, multi_chain]: [f32; 4]) -> ChainSettings {
+fn chains(weights: [f32; 4]) -> ChainSettings {
     ChainSettings {
         candidates: 1024,
         chains: 12,
         mutations: STAGE,
-        direct_samples: 0,
-        bidirectional_weight: bidirectional,
-        lens_weight: lens,
-        caustic_weight: caustic,
-        multi_chain_weight: multi_chain,
-        ..ChainSettings::DEFAULT
+        ..variants::of_mutations(weights)
     }
 }
 

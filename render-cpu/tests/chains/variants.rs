@@ -12,6 +12,18 @@ pub const MIRROR: &str = r#"<shape type="rectangle"><transform name="to_world"><
     <rotate y="1" angle="-40"/><translate x="1" y="0.7" z="-0.3"/></transform>
     <bsdf type="twosided"><bsdf type="conductor"/></bsdf></shape>"#;
 
+/// Chains of whole paths without light apart, by nothing but mutations of these weights: bidirectional, lens, caustic, multi-chain.
+pub fn of_mutations([bidirectional, lens, caustic, multi_chain]: [f32; 4]) -> ChainSettings {
+    ChainSettings {
+        direct_samples: 0,
+        bidirectional_weight: bidirectional,
+        lens_weight: lens,
+        caustic_weight: caustic,
+        multi_chain_weight: multi_chain,
+        ..ChainSettings::DEFAULT
+    }
+}
+
 /// Samples of the other algorithm and of the chains.
 #[derive(Clone, Copy)]
 pub struct Samples {

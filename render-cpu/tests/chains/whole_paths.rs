@@ -10,17 +10,12 @@ use crate::variants::{self, MIRROR, OF_WHOLE_PATHS, lights_cameras_and_masks};
 use halflight::scene::build::Scene;
 use halflight_kernel::transport::settings::{ChainSettings, integrator_kind};
 
-fn chains([bidirectional, lens, caustic, multi_chain]: [f32; 4]) -> ChainSettings {
+fn chains(weights: [f32; 4]) -> ChainSettings {
     ChainSettings {
         candidates: 2048,
         chains: 16,
         mutations: 128,
-        direct_samples: 0,
-        bidirectional_weight: bidirectional,
-        lens_weight: lens,
-        caustic_weight: caustic,
-        multi_chain_weight: multi_chain,
-        ..ChainSettings::DEFAULT
+        ..variants::of_mutations(weights)
     }
 }
 

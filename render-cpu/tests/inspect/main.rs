@@ -4,13 +4,14 @@ mod clusters;
 mod paths;
 mod probes;
 mod records;
+#[path = "../common/view.rs"]
+mod view;
 mod volume;
 
-use halflight::accel::{Accel, CpuTraverse};
 use halflight::expression::{PartsRequest, PathParts};
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene;
-use halflight_kernel::scene::SceneView;
+use view::with_view;
 
 fn scene(content: &str) -> Scene {
     let folder = tempfile::tempdir().unwrap();
@@ -18,17 +19,6 @@ fn scene(content: &str) -> Scene {
     std::fs::write(&path, format!("<scene version=\"3.0.0\">{content}</scene>")).unwrap();
     let parsed = parse_scene(&path, &[], true).unwrap();
     build_scene(&parsed, &BuildOptions::default()).unwrap()
-}
-
-/// What `work` makes of a scene with its ray tracer.
-fn with_view<R>(scene: &Scene, work: impl FnOnce(&SceneView<'_, CpuTraverse<'_>>) -> R) -> R {
-    let tables = scene.tables.view();
-    let accel = Accel::build(tables, &scene.tables.groups);
-    let traverse = accel.traverse(tables);
-    work(&SceneView {
-        tables,
-        traverse: &traverse,
-    })
 }
 
 /// The paths of an expression, or all.

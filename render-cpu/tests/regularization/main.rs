@@ -6,5 +6,9 @@ mod near_specular;
 mod no_harm;
 mod panel;
 mod scenes;
+#[path = "../common/vertices.rs"]
+mod vertices;
+#[path = "../common/view.rs"]
+mod view;
 mod weights;
 mod whole_paths;

@@ -2,34 +2,19 @@
 //! which recursion along subpaths and the sum for each path anew must agree about.
 
 use crate::scenes::{ball, regularized, render_film, room, scene};
+use crate::vertices::Vertices;
+use crate::view::with_view;
 use glam::vec3;
-use halflight::accel::Accel;
 use halflight_kernel::bsdf::event;
 use halflight_kernel::path::rules::step;
-use halflight_kernel::path::{Contribution, Interaction, PathVertex, ShadingPoint, Walk};
+use halflight_kernel::path::{Contribution, Interaction, ShadingPoint, Walk};
 use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::bidirectional::adaptive::{Adaptive, AdaptiveRoom};
-use halflight_kernel::transport::bidirectional::{
-    Bidirectional, Unshadowed, VertexStore, sample_watched,
-};
+use halflight_kernel::transport::bidirectional::{Bidirectional, Unshadowed, sample_watched};
 use halflight_kernel::transport::camera_ray;
-
-#[derive(Default)]
-struct Vertices(Vec<PathVertex>);
-
-impl VertexStore for Vertices {
-    fn push(&mut self, vertex: &PathVertex) -> u32 {
-        self.0.push(*vertex);
-        self.0.len() as u32 - 1
-    }
-
-    fn get(&self, index: u32) -> PathVertex {
-        self.0[index as usize]
-    }
-}
 
 const ROUGH_METAL: &str = r#"<bsdf type="roughconductor"><float name="alpha" value="0.1"/>
     <string name="distribution" value="ggx"/></bsdf>"#;
@@ -58,68 +43,64 @@ fn sums_for_each_path_are_the_weights_of_the_recursion() {
         (PLASTIC, GLASS),
     ] {
         let scene = scene("bdpt", &room(walls, &ball(object)));
-        let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
-        let tables = scene.tables.view();
-        let traverse = accel.traverse(tables);
-        let view = SceneView {
-            tables,
-            traverse: &traverse,
-        };
-        let algorithm = Bidirectional::new(&view.tables, &scene.settings).regularized(of_tau(30.0));
-        let adaptive = Adaptive::new(&algorithm);
-        let mut room = Box::new(AdaptiveRoom::new());
-        for pixel in 0..96 {
-            for sample in 0..12 {
-                let at = [pixel % 12, pixel / 12];
-                let mut found = [Vec::new(), Vec::new()];
-                for (kind, found) in found.iter_mut().enumerate() {
-                    let mut camera = numbers(pixel, sample, 0);
-                    let mut light = numbers(pixel, sample, 1);
-                    let seen = camera_ray(&view.tables, &mut camera, at);
-                    let add = |c: Contribution| {
-                        if c.is_some() {
-                            found.push(c);
+        with_view(&scene, |view| {
+            let algorithm =
+                Bidirectional::new(&view.tables, &scene.settings).regularized(of_tau(30.0));
+            let adaptive = Adaptive::new(&algorithm);
+            let mut room = Box::new(AdaptiveRoom::new());
+            for pixel in 0..96 {
+                for sample in 0..12 {
+                    let at = [pixel % 12, pixel / 12];
+                    let mut found = [Vec::new(), Vec::new()];
+                    for (kind, found) in found.iter_mut().enumerate() {
+                        let mut camera = numbers(pixel, sample, 0);
+                        let mut light = numbers(pixel, sample, 1);
+                        let seen = camera_ray(&view.tables, &mut camera, at);
+                        let add = |c: Contribution| {
+                            if c.is_some() {
+                                found.push(c);
+                            }
+                        };
+                        if kind == 0 {
+                            let mut watcher = Unshadowed::new(view, scene.settings.rules, add);
+                            let store = &mut Vertices::default();
+                            sample_watched(
+                                view,
+                                &algorithm,
+                                &mut light,
+                                &mut camera,
+                                &seen,
+                                store,
+                                &mut watcher,
+                            );
+                        } else {
+                            let numbers = (&mut light, &mut camera);
+                            adaptive.sample(view, None, numbers, &seen, &mut room, add);
                         }
-                    };
-                    if kind == 0 {
-                        let mut watcher = Unshadowed::new(&view, scene.settings.rules, add);
-                        let store = &mut Vertices::default();
-                        sample_watched(
-                            &view,
-                            &algorithm,
-                            &mut light,
-                            &mut camera,
-                            &seen,
-                            store,
-                            &mut watcher,
+                    }
+                    for found in &mut found {
+                        found.sort_by_key(|c| (c.s, c.t, c.value.x.to_bits()));
+                    }
+                    let [recursion, sums] = &found;
+                    let of =
+                        |list: &[Contribution]| list.iter().map(|c| (c.s, c.t)).collect::<Vec<_>>();
+                    assert_eq!(of(recursion), of(sums), "pixel {pixel}, sample {sample}");
+                    for (a, b) in recursion.iter().zip(sums) {
+                        let error = (a.value - b.value).abs().max_element();
+                        let scale = a.value.max_element();
+                        assert!(
+                            error <= 2e-3 * scale,
+                            "{walls} {object}: ({}, {}): {} and {}",
+                            a.s,
+                            a.t,
+                            a.value,
+                            b.value
                         );
-                    } else {
-                        let numbers = (&mut light, &mut camera);
-                        adaptive.sample(&view, None, numbers, &seen, &mut room, add);
+                        compared += 1;
                     }
                 }
-                for found in &mut found {
-                    found.sort_by_key(|c| (c.s, c.t, c.value.x.to_bits()));
-                }
-                let [recursion, sums] = &found;
-                let of =
-                    |list: &[Contribution]| list.iter().map(|c| (c.s, c.t)).collect::<Vec<_>>();
-                assert_eq!(of(recursion), of(sums), "pixel {pixel}, sample {sample}");
-                for (a, b) in recursion.iter().zip(sums) {
-                    let error = (a.value - b.value).abs().max_element();
-                    let scale = a.value.max_element();
-                    assert!(
-                        error <= 2e-3 * scale,
-                        "{walls} {object}: ({}, {}): {} and {}",
-                        a.s,
-                        a.t,
-                        a.value,
-                        b.value
-                    );
-                    compared += 1;
-                }
             }
-        }
+        });
     }
     println!("{compared} strategies");
     assert!(compared > 8000, "{compared}");
@@ -128,6 +109,16 @@ fn sums_for_each_path_are_the_weights_of_the_recursion() {
 /// The relative difference of two positive numbers.
 fn difference(a: f32, b: f32) -> f32 {
     (a - b).abs() / a.abs().max(b.abs())
+}
+
+/// The index by whose square radiance is scaled on the way to a direction of height `z`.
+fn radiance_index(at: &Interaction<'_>, z: f32) -> f32 {
+    let eta = at.bsdf.lobe(0).eta.x;
+    match (at.wi.z > 0.0, at.wi.z * z >= 0.0) {
+        (_, true) => 1.0,
+        (true, false) => eta,
+        (false, false) => 1.0 / eta,
+    }
 }
 
 /// Shares of the light from `wi` that are reflected and transmitted, by the midpoints of 96 by 96 cells of cos and angle, below tau.
@@ -142,14 +133,7 @@ fn albedo(at: &Interaction<'_>, scene: &SceneView<'_, impl Traverse>) -> [f32; 2
             let wo = vec3(r * phi.cos(), r * phi.sin(), z);
             let (f, _) = at.eval_cosine_pdf(&scene.tables, wo);
             // Radiance is scaled where it is refracted, flux is not.
-            let lobe = at.bsdf.lobe(0);
-            let eta = if at.wi.z * z > 0.0 {
-                1.0
-            } else if at.wi.z > 0.0 {
-                lobe.eta.x
-            } else {
-                1.0 / lobe.eta.x
-            };
+            let eta = radiance_index(at, z);
             sums[usize::from(at.wi.z * z < 0.0)] += f.y * eta * eta;
         }
     }
@@ -162,93 +146,80 @@ fn ratios_of_values_and_of_densities_are_equal_along_whole_paths() {
     let mut most = [0.0_f32; 3];
     for (walls, object) in [(ROUGH_METAL, ROUGH_GLASS), (ROUGH_METAL, ROUGH_METAL)] {
         let scene = scene("path", &room(walls, &ball(object)));
-        let accel = Accel::build(scene.tables.view(), &scene.tables.groups);
-        let tables = scene.tables.view();
-        let traverse = accel.traverse(tables);
-        let view = SceneView {
-            tables,
-            traverse: &traverse,
-        };
-        let algorithm = Bidirectional::new(&view.tables, &scene.settings);
-        let connector = &algorithm.connector;
-        let mut site = ShadingPoint::NONE;
-        for pixel in 0..96 {
-            for sample in 0..24 {
-                let mut camera = numbers(pixel, sample, 2);
-                let tau = 10.0_f32.powf(1.0 + 3.0 * camera.next_1d());
-                let seen = camera_ray(&view.tables, &mut camera, [pixel % 12, pixel / 12]);
-                let mut walk = Walk::from_sensor(&seen);
-                let (mut values, mut densities) = (1.0_f32, 1.0_f32);
-                let mut next = step::TRACE;
-                while next == step::TRACE {
-                    let hit = view.traverse.closest_hit(&walk.subpath.ray);
-                    let direction = walk.subpath.ray.direction;
-                    next = connector.arrive(&mut walk, &hit, &mut site).1;
-                    if next != step::SCATTER {
-                        continue;
-                    }
-                    let at = site.interaction(direction);
-                    let h = connector.strategies.heuristic;
-                    next = walk.scatter(&view.tables, &connector.rules, h, &mut camera, &at);
-                    if next != step::TRACE {
-                        continue;
-                    }
-                    assert_eq!(walk.event & event::DELTA, 0);
-                    let wo = at.point.frame.to_local(walk.subpath.ray.direction);
-                    let hat = at.regularized(tau, 0);
-                    let plain = at.eval_cosine_pdf_both(&view.tables, wo, false);
-                    let both = hat.eval_cosine_pdf_both(&view.tables, wo, false);
-                    let value = both.value.y / plain.value.y;
-                    let density = both.pdf / plain.pdf;
-                    assert!(
-                        difference(value, density) < 5e-3,
-                        "{object}: f {value}, p {density}"
-                    );
-                    // The same for the way back, whose value is another one by the squared index.
-                    let way_back = both.pdf_reverse / plain.pdf_reverse;
-                    assert!(
-                        difference(value, way_back) < 5e-3,
-                        "{object}: f {value}, p of the way back {way_back}"
-                    );
-                    values *= value;
-                    densities *= density;
-                    // Reciprocity: f_hat / eta^2 of both ways.
-                    let exchanged = hat.eval_cosine_pdf_both(&view.tables, wo, true);
-                    let refracts = at.wi.z * wo.z < 0.0;
-                    let lobe = at.bsdf.lobe(0);
-                    let eta = if !refracts {
-                        1.0
-                    } else if at.wi.z > 0.0 {
-                        lobe.eta.x
-                    } else {
-                        1.0 / lobe.eta.x
-                    };
-                    let there = both.value.y / wo.z.abs() * eta * eta;
-                    let back = exchanged.value.y / at.wi.z.abs();
-                    assert!(
-                        difference(there, back) < 5e-3
-                            || difference(there, back * eta * eta) < 5e-3,
-                        "{object}: {there} there, {back} back, eta {eta}"
-                    );
-                    // What is sharper needs more cells.
-                    if sample == 0 && tau < 300.0 {
-                        let scattered = albedo(&hat, &view);
-                        let [reflected, transmitted] = scattered;
-                        let parts = [reflected, transmitted, reflected + transmitted];
-                        for (most, part) in most.iter_mut().zip(parts) {
-                            *most = most.max(part);
+        with_view(&scene, |view| {
+            let algorithm = Bidirectional::new(&view.tables, &scene.settings);
+            let connector = &algorithm.connector;
+            let mut site = ShadingPoint::NONE;
+            for pixel in 0..96 {
+                for sample in 0..24 {
+                    let mut camera = numbers(pixel, sample, 2);
+                    let tau = 10.0_f32.powf(1.0 + 3.0 * camera.next_1d());
+                    let seen = camera_ray(&view.tables, &mut camera, [pixel % 12, pixel / 12]);
+                    let mut walk = Walk::from_sensor(&seen);
+                    let (mut values, mut densities) = (1.0_f32, 1.0_f32);
+                    let mut next = step::TRACE;
+                    while next == step::TRACE {
+                        let hit = view.traverse.closest_hit(&walk.subpath.ray);
+                        let direction = walk.subpath.ray.direction;
+                        next = connector.arrive(&mut walk, &hit, &mut site).1;
+                        if next != step::SCATTER {
+                            continue;
                         }
+                        let at = site.interaction(direction);
+                        let h = connector.strategies.heuristic;
+                        next = walk.scatter(&view.tables, &connector.rules, h, &mut camera, &at);
+                        if next != step::TRACE {
+                            continue;
+                        }
+                        assert_eq!(walk.event & event::DELTA, 0);
+                        let wo = at.point.frame.to_local(walk.subpath.ray.direction);
+                        let hat = at.regularized(tau, 0);
+                        let plain = at.eval_cosine_pdf_both(&view.tables, wo, false);
+                        let both = hat.eval_cosine_pdf_both(&view.tables, wo, false);
+                        let value = both.value.y / plain.value.y;
+                        let density = both.pdf / plain.pdf;
+                        assert!(
+                            difference(value, density) < 5e-3,
+                            "{object}: f {value}, p {density}"
+                        );
+                        // The same for the way back, whose value is another one by the squared index.
+                        let way_back = both.pdf_reverse / plain.pdf_reverse;
+                        assert!(
+                            difference(value, way_back) < 5e-3,
+                            "{object}: f {value}, p of the way back {way_back}"
+                        );
+                        values *= value;
+                        densities *= density;
+                        // Reciprocity: f_hat / eta^2 of both ways.
+                        let exchanged = hat.eval_cosine_pdf_both(&view.tables, wo, true);
+                        let eta = radiance_index(&at, wo.z);
+                        let there = both.value.y / wo.z.abs() * eta * eta;
+                        let back = exchanged.value.y / at.wi.z.abs();
+                        assert!(
+                            difference(there, back) < 5e-3
+                                || difference(there, back * eta * eta) < 5e-3,
+                            "{object}: {there} there, {back} back, eta {eta}"
+                        );
+                        // What is sharper needs more cells.
+                        if sample == 0 && tau < 300.0 {
+                            let scattered = albedo(&hat, view);
+                            let [reflected, transmitted] = scattered;
+                            let parts = [reflected, transmitted, reflected + transmitted];
+                            for (most, part) in most.iter_mut().zip(parts) {
+                                *most = most.max(part);
+                            }
+                        }
+                        vertices += 1;
+                        raised += u32::from(hat.is_regularized());
+                        longest = longest.max(walk.subpath.depth);
                     }
-                    vertices += 1;
-                    raised += u32::from(hat.is_regularized());
-                    longest = longest.max(walk.subpath.depth);
+                    assert!(
+                        difference(values, densities) < 2e-2,
+                        "{values} and {densities} along a path"
+                    );
                 }
-                assert!(
-                    difference(values, densities) < 2e-2,
-                    "{values} and {densities} along a path"
-                );
             }
-        }
+        });
     }
     let [reflected, transmitted, both] = most;
     println!(

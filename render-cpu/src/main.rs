@@ -3,8 +3,8 @@
 use clap::{CommandFactory, Parser, Subcommand};
 use halflight::commands::terminal::{self, Verbosity};
 use halflight::commands::{
-    compare, experiment, farm, image, info, inspect, list, manual, material, merge, processor,
-    render, strategy_sheet,
+    compare, experiment, farm, image, info, inspect, inspect_args, list, manual, material, merge,
+    processor, render, strategy_sheet,
 };
 use std::error::Error;
 use std::ffi::OsString;
@@ -28,7 +28,7 @@ enum Command {
     /// Show what a scene holds, and what of it is not supported
     Info(info::InfoArgs),
     /// Look at the light of a scene: false colours, or the radiance around a point
-    Inspect(inspect::InspectArgs),
+    Inspect(inspect_args::InspectArgs),
     /// Draw a material: a lit ball, its lobes, its albedo and its local roughness
     Material(material::MaterialArgs),
     /// Compare two images

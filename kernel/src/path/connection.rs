@@ -15,11 +15,11 @@
 //!
 //! The last two are in [`super::lens`].
 
-use super::arrival::ShadingPoint;
 use super::contribution::Contribution;
 use super::evaluation::Interaction;
 use super::photon_density::PhotonDensity;
 use super::rules::PathRules;
+use super::shading_point::ShadingPoint;
 use super::strategies::Strategies;
 use super::vertex::LightEnd;
 use super::walk::Walk;

@@ -55,6 +55,7 @@ pub mod retarget_states;
 pub mod retargeted;
 pub mod rules;
 pub mod scattered;
+pub mod shading_point;
 pub mod specular_chain;
 pub mod spread;
 pub mod strategies;
@@ -81,7 +82,6 @@ pub mod whole_vertex;
 #[cfg(not(target_arch = "spirv"))]
 pub mod whole_weights;
 
-pub use arrival::ShadingPoint;
 pub use connection::Connector;
 pub use contribution::{Contribution, Contributions};
 pub use evaluation::{Evaluation, Interaction};
@@ -90,6 +90,7 @@ pub use path_states::{PathStates, Shares};
 pub use photon_density::PhotonDensity;
 pub use rules::PathRules;
 pub use scattered::Scattered;
+pub use shading_point::ShadingPoint;
 pub use strategies::Strategies;
 pub use subpath::Subpath;
 pub use vertex::{LightEnd, PathVertex};

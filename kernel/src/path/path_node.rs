@@ -7,8 +7,8 @@
 //!
 //! Hosts only, because it takes room for every vertex of both subpaths.
 
-use super::arrival::ShadingPoint;
 use super::evaluation::Interaction;
+use super::shading_point::ShadingPoint;
 use super::spread::{emission_bound, mean_curvature};
 use super::strategies::Strategies;
 use super::vertex::PathVertex;

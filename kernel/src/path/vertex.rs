@@ -4,8 +4,8 @@
 //! that found it, not the surface point or the material: both are looked up again ([`PathVertex::look_up`]), which takes less
 //! memory and gives the same to the bit. A [`LightEnd`] is a vertex of a light subpath after that look-up.
 
-use super::arrival::ShadingPoint;
 use super::evaluation::Interaction;
+use super::shading_point::ShadingPoint;
 use super::specular_chain::SpecularChain;
 use super::weight::PartialWeights;
 use crate::math::{Ray, Rgb, vec3};

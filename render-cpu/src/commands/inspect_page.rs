@@ -1,6 +1,6 @@
 //! `halflight inspect SCENE -o PAGE.html`: the page for a browser.
 
-use super::inspect::InspectArgs;
+use super::inspect_args::InspectArgs;
 use super::output_file;
 use super::scene_args::build_accel;
 use crate::atomic_file::write_atomically;
@@ -13,26 +13,13 @@ use crate::inspect::spherical_plot::SphericalPlot;
 use crate::processor::set_threads;
 use crate::render::render_film;
 use crate::say::note;
-use clap::Args;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::transport::integrator_kind;
 use std::error::Error;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Samples per pixel of irradiance: it has less noise than radiance, and is looked at less.
 const IRRADIANCE_SAMPLES: u32 = 16;
-
-/// What a page holds beside paths.
-#[derive(Args, Clone, Debug)]
-pub struct PageArgs {
-    /// The image in the page, of the size of the scene's. Default: it is rendered now.
-    #[arg(help_heading = "Page", long, value_name = "IMAGE")]
-    pub image: Option<PathBuf>,
-    /// Triangles beyond which meshes are thinned out in the page.
-    #[arg(help_heading = "Page", long, value_name = "N", default_value_t = 2_000_000, value_parser = clap::value_parser!(u32).range(100..))]
-    pub triangles: u32,
-}
 
 /// Writes the page.
 ///

@@ -3,7 +3,7 @@
 //! A thread of its own talks to the viewer, and takes one image at a time: one that does not read holds up nothing but itself.
 //! Images that would wait behind another are left out, but for the last.
 
-use super::preview::Schedule;
+use super::preview_schedule::Schedule;
 use crate::film::Film;
 use std::io;
 use std::net::{TcpStream, ToSocketAddrs};

@@ -2,7 +2,8 @@
 
 use super::backend::{Backend, PassEnd, PassError};
 use super::chains::render_groups;
-use super::divided_layers::{Division, Followed, render_divided_layers};
+use super::divided_layers::{Followed, render_divided_layers};
+use super::division::Division;
 use super::options::{Outcome, RenderOptions, RunState};
 use super::own_layers::own_layers;
 use super::passes::render_passes;

@@ -7,22 +7,23 @@
 
 use super::backend::PassEnd;
 use super::bidirectional_job::{Vertices, regularized};
+use super::division::Division;
+use super::film_tiles::{Tile, pixel, tile_samples};
 use super::first_radii::FirstRadii;
+use super::layer_photons::{regularization, trace_photons};
 use super::options::RenderOptions;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
 use super::pilot::{PilotDensity, Pilots};
 use super::splat::{Splat, SplatFilter};
-use super::splatting::{Tile, pixel, regularization, tile_samples, trace_photons};
 use super::stop::Stop;
-use super::tile_job::surface_sample;
-use crate::expression::PathParts;
+use super::surface_sample::surface_sample;
 use crate::film::Film;
 use crate::film::aov::Aov;
 use glam::Vec3;
 use halflight_kernel::math::Rgb;
 use halflight_kernel::path::retarget_states::Edits;
-use halflight_kernel::path::{Contribution, PathExpressions, PathStates, PhotonDensity, Shares};
+use halflight_kernel::path::{Contribution, PathStates, PhotonDensity, Shares};
 use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::camera::CameraSample;
@@ -45,28 +46,6 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 
 /// Rows whose samples one thread takes, and whose splats one thread adds, at a time.
 const ROWS: u32 = 8;
-
-/// What is divided.
-#[derive(Clone, Copy)]
-pub(super) struct Division<'a> {
-    /// The expressions.
-    pub expressions: PathExpressions<'a>,
-    /// The first that is a layer.
-    pub first: usize,
-    /// Number of layers.
-    pub count: usize,
-}
-
-impl<'a> Division<'a> {
-    /// By a scene's parts; none if it has none.
-    pub fn new(parts: &'a PathParts) -> Option<Division<'a>> {
-        Some(Division {
-            expressions: parts.view()?,
-            first: parts.first_layer(),
-            count: parts.request().layers.len(),
-        })
-    }
-}
 
 /// What is made of the paths of an image, each followed by itself.
 #[derive(Clone, Copy)]

@@ -4,9 +4,9 @@
 //! whatever was rendered before them, and runs that share a seed agree.
 
 use super::bidirectional_job::TileSamples;
+use super::film_tiles::{Tile, tile_samples, tiles};
 use super::photon_job::Radii;
 use super::photon_pass::{Idle, PhotonTask};
-use super::splatting::{Tile, tile_samples, tiles};
 use super::stop::Stop;
 use crate::film::Film;
 use halflight_kernel::path::PhotonDensity;

@@ -9,7 +9,10 @@ mod chains;
 mod checkpoint_file;
 mod cpu_backend;
 mod divided_layers;
+mod division;
+mod film_tiles;
 mod first_radii;
+mod layer_photons;
 mod lockstep_walks;
 mod options;
 mod own_layers;
@@ -27,6 +30,7 @@ mod splat;
 mod splatting;
 mod stop;
 mod strategy_films;
+mod surface_sample;
 mod tile_job;
 
 pub use crate::integrators::{Shape, divides_paths, shape};

@@ -6,15 +6,15 @@
 
 use super::backend::PassEnd;
 use super::bidirectional_job::TileSamples;
+use super::film_tiles::{pixel, tile_samples, tiles};
 use super::first_radii::FirstRadii;
 use super::options::RenderOptions;
 use super::photon_cache::{PhotonList, SortedPhotons};
 use super::photon_job::Radii;
 use super::photon_pass::{Idle, PhotonTask};
 use super::photon_statistics::{PixelStatistics, keep, statistics_of};
-use super::splatting::{pixel, tile_samples, tiles};
 use super::stop::Stop;
-use super::tile_job::surface_sample;
+use super::surface_sample::surface_sample;
 use crate::film::Film;
 use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::sampler::LaneSampler;

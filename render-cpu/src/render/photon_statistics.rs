@@ -2,7 +2,7 @@
 //!
 //! They are kept as other layers are, so that checkpoints hold them.
 
-use super::splatting::Tile;
+use super::film_tiles::Tile;
 use crate::film::Film;
 use crate::film::aov::{Aov, BANDWIDTH_NUMBERS};
 use halflight_kernel::transport::photon::statistics::PhotonStatistics;

@@ -8,27 +8,23 @@
 //! the layer's index alone.
 
 use super::backend::PassEnd;
-use super::bidirectional_job::{
-    BidirectionalWorkspace, RegularizedSamples, TileSample, TileSamples,
-};
+use super::bidirectional_job::{BidirectionalWorkspace, RegularizedSamples, TileSamples};
+use super::film_tiles::{Tile, pixel, tile_samples, tiles};
+use super::layer_photons::{regularization, trace_photons};
 use super::options::RenderOptions;
 use super::photon_cache::SortedPhotons;
-use super::photon_pass::{Idle, PhotonTask};
+use super::photon_pass::Idle;
 use super::pilot::PilotDensity;
 use super::splat::{Splat, SplatFilter};
 use super::stop::Stop;
-use super::tile_job::surface_sample;
+use super::surface_sample::surface_sample;
 use crate::film::Film;
 use crate::film::aov::Aov;
 use glam::Vec3;
-use halflight_kernel::path::retarget_states::Edits;
-use halflight_kernel::path::{PathExpressions, PhotonDensity};
-use halflight_kernel::regularize::settings::Regularization;
-use halflight_kernel::sampler::{LaneSampler, mix};
+use halflight_kernel::sampler::LaneSampler;
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::bidirectional::Bidirectional;
-use halflight_kernel::transport::photon::merging::{PassPhotons, merging_tracer};
+use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::{light_walks, pass_radius};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -45,9 +41,6 @@ const TILES_AT_A_TIME: usize = 256;
 
 /// Light walks of layers that are taken together, where their photons are merged.
 const PHOTONS_AT_A_TIME: u32 = 1 << 18;
-
-/// Turns the seed of camera walks into that of light walks.
-const LIGHT_STREAM: u32 = 0x3c6e_f35f;
 
 /// Adds `layers` samples to every pixel of the film, or fewer when it is to stop; a layer that is not complete is dropped.
 pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
@@ -167,118 +160,6 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         }
     }
     PassEnd::Complete
-}
-
-/// The regularisation of a layer: that of the sample with its index.
-pub(super) fn regularization<T: Traverse>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    layer: u32,
-) -> Regularization {
-    Regularization::of_sample(&settings.regularization, view.tables.info.radius, layer)
-}
-
-/// The photons that a layer merges.
-pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    options: &RenderOptions,
-    layer: u32,
-    density: PhotonDensity<'_>,
-    expressions: Option<PathExpressions<'_>>,
-    edits: Option<Edits<'_>>,
-    idle: &Idle,
-    stop: &Stop<'_>,
-    new: &(impl Fn(u32, u32, u32) -> S + Sync),
-) -> Option<SortedPhotons> {
-    let emitted = light_walks(&view.tables, settings);
-    let radius = pass_radius(&view.tables, settings, layer);
-    let own = regularization(view, settings, layer);
-    let adaptive = settings.regularization.is_adaptive().then_some(own);
-    let mut algorithm =
-        Bidirectional::new(&view.tables, settings).merging(radius, emitted, density);
-    if adaptive.is_none() {
-        algorithm = algorithm.regularized(own);
-    }
-    let photons = PhotonTask {
-        view,
-        tracer: merging_tracer(&algorithm.connector),
-        expressions,
-        edits,
-        adaptive,
-        emitted,
-        seed: options.seed,
-        index: layer,
-    };
-    photons.trace(idle, stop, new)
-}
-
-/// A rectangle of pixels of the window: its first pixel and its size.
-#[derive(Clone, Copy)]
-pub(super) struct Tile {
-    pub x: u32,
-    pub y: u32,
-    pub width: u32,
-    pub height: u32,
-}
-
-impl Tile {
-    /// The numbers of its pixels in a film of a width, by rows.
-    pub fn pixels(self, width: usize) -> impl Iterator<Item = usize> {
-        (0..self.height * self.width).map(move |i| {
-            let (x, y) = (self.x + i % self.width, self.y + i / self.width);
-            y as usize * width + x as usize
-        })
-    }
-}
-
-/// The tiles of a film, by rows.
-pub(super) fn tiles(film: &Film, size: u32) -> Vec<Tile> {
-    let mut tiles = Vec::new();
-    for y in (0..film.height()).step_by(size as usize) {
-        for x in (0..film.width()).step_by(size as usize) {
-            tiles.push(Tile {
-                x,
-                y,
-                width: size.min(film.width() - x),
-                height: size.min(film.height() - y),
-            });
-        }
-    }
-    tiles
-}
-
-/// Pixel in the whole film, and its number.
-pub(super) fn pixel<T: Traverse>(view: &SceneView<'_, T>, x: u32, y: u32) -> ([u32; 2], u32) {
-    let camera = &view.tables.camera;
-    let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
-    let index = pixel[1]
-        .wrapping_mul(camera.film_size[0])
-        .wrapping_add(pixel[0]);
-    (pixel, index)
-}
-
-/// The samples of a tile in a layer.
-pub(super) fn tile_samples<T: Traverse, S>(
-    view: &SceneView<'_, T>,
-    seed: u32,
-    layer: u32,
-    tile: Tile,
-    new: &impl Fn(u32, u32, u32) -> S,
-) -> Vec<TileSample<S>> {
-    let light_seed = mix(seed ^ LIGHT_STREAM);
-    let mut samples = Vec::with_capacity((tile.width * tile.height) as usize);
-    for y in tile.y..tile.y + tile.height {
-        for x in tile.x..tile.x + tile.width {
-            let (pixel, index) = pixel(view, x, y);
-            samples.push(TileSample {
-                pixel,
-                light: new(light_seed, index, layer),
-                camera: new(seed, index, layer),
-            });
-        }
-    }
-    samples
 }
 
 /// What a tile gave in a layer: its image, and that of what is regularised of it, where that is wanted.

@@ -7,9 +7,9 @@
 
 use super::backend::{Backend, PassEnd, PassError};
 use super::bidirectional_job::Vertices;
+use super::film_tiles::{Tile, tile_samples};
 use super::options::RenderOptions;
 use super::splat::{Splat, SplatFilter};
-use super::splatting::{Tile, tile_samples};
 use super::stop::Stop;
 use crate::accel::Accel;
 use crate::film::aov::AovSet;

@@ -4,12 +4,12 @@
 //! gets but a few. Between two waves a tile may be left: pixels then have the first of their samples. Samples enter their pixel in the order of their indices whatever the wave, so that sums round alike.
 
 use super::backend::PassEnd;
-use super::divided_layers::Division;
+use super::division::Division;
 use super::options::RenderOptions;
 use super::regularized_paths::RegularizedPaths;
 use super::stop::Stop;
+use super::surface_sample::surface_sample;
 use crate::film::FilmTile;
-use crate::film::aov::AovSample;
 use glam::Vec3;
 use halflight_kernel::path::expression::MAX_PARTS;
 use halflight_kernel::path::retarget_states::Edits;
@@ -20,7 +20,7 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::simd::SimdLevel;
 use halflight_kernel::transport::divided::DividedPath;
 use halflight_kernel::transport::wavefront::{WaveDivision, Wavefront};
-use halflight_kernel::transport::{self, IntegratorSettings, aov, integrator_kind, retargeted};
+use halflight_kernel::transport::{self, IntegratorSettings, integrator_kind, retargeted};
 
 /// Slots for paths side by side: enough for whole vectors of every class, few enough that their state stays in the second
 /// cache. A row of them takes an odd number of cache lines, so that the same slot of many rows does not compete for the same
@@ -276,21 +276,5 @@ impl<T: Traverse> TileJob<'_, T> {
     fn add_surface<S: Sampler>(&self, tile: &mut FilmTile<'_>, [x, y]: [u32; 2], sampler: S) {
         let sample = surface_sample(self.view, sampler, self.pixel(x, y));
         tile.pixel_mut(x, y).add_aovs(&sample);
-    }
-}
-
-/// The surface that the first ray of a sample of the pixel (in the whole film) meets.
-pub fn surface_sample<T: Traverse, S: Sampler>(
-    view: &SceneView<'_, T>,
-    mut sampler: S,
-    pixel: [u32; 2],
-) -> AovSample {
-    let (features, _) = aov::sample_pixel(view, &mut sampler, pixel);
-    AovSample {
-        albedo: features.albedo.to_array(),
-        normal: features.normal.to_array(),
-        depth: features.depth,
-        position: features.position.to_array(),
-        uv: features.uv.to_array(),
     }
 }

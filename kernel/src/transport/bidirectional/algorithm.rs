@@ -1,6 +1,7 @@
 //! The bounces of walks from both ends, and what is connected there.
 
 use super::reuse::SharedWalks;
+use super::vertex_store::VertexStore;
 use crate::math::{Rgb, vec3};
 use crate::path::rules::step;
 use crate::path::{
@@ -15,14 +16,6 @@ use crate::scene::{Hit, NONE, SurfacePoint, Tables, camera};
 use crate::transport::photon::merging::merging_share;
 use crate::transport::settings::{IntegratorSettings, integrator_kind};
 use glam::{Vec2, Vec3};
-
-/// Where the vertices of light walks are kept.
-pub trait VertexStore {
-    /// Keeps a vertex and returns its index, or [`NONE`] where there is no room.
-    fn push(&mut self, vertex: &PathVertex) -> u32;
-    /// A vertex that was kept.
-    fn get(&self, index: u32) -> PathVertex;
-}
 
 /// A light subpath, to whose vertices those of a camera walk are connected.
 #[derive(Clone, Copy)]

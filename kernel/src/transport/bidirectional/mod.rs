@@ -16,22 +16,23 @@
 //! Invariants (tests): the mean is that of path tracing; weights of all strategies of a path sum to one.
 //!
 //! - `algorithm`: the bounces of both walks and their connections;
+//! - `vertex_store`: where a front end keeps the vertices of light subpaths;
 //! - `reuse`: connections with a few of the vertices of many light walks;
 //! - `sample`: one sample by itself;
 //! - `divided`: the same, divided by path expressions;
-//! - `adaptive`, `adaptive_strategies`: the same, regularised as each path needs it.
+//! - `adaptive`: the same, regularised as each path needs it.
 
 // Hosts only: both subpaths are kept.
 #[cfg(not(target_arch = "spirv"))]
 pub mod adaptive;
-#[cfg(not(target_arch = "spirv"))]
-mod adaptive_strategies;
 mod algorithm;
 mod divided;
 mod reuse;
 mod sample;
+mod vertex_store;
 
-pub use algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
+pub use algorithm::{Bidirectional, ConnectedPoints, LightSubpath};
 pub use divided::{DividedPhotons, DividedSample, StateStore, counted};
 pub use reuse::SharedWalks;
 pub use sample::{Lent, Unshadowed, Watcher, sample, sample_watched};
+pub use vertex_store::VertexStore;

@@ -24,10 +24,10 @@
 //! Weights do not change: a partition of one over strategies stays one, whatever the number of samples of each.
 //! Invariants (tests): the mean is that of connections with one's own light walk.
 
+use super::vertex_store::VertexStore;
 use crate::math::{float, luminance, vec3};
 use crate::path::{Connector, Heuristic, Interaction, PathVertex, Walk};
 use crate::scene::NONE;
-use crate::transport::bidirectional::algorithm::VertexStore;
 use core::f32::consts::FRAC_1_PI;
 use glam::{Vec2, Vec3};
 

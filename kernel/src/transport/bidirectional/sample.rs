@@ -1,7 +1,8 @@
 //! One sample by itself: both walks, ray by ray.
 
-use super::algorithm::{Bidirectional, ConnectedPoints, LightSubpath, VertexStore};
+use super::algorithm::{Bidirectional, ConnectedPoints, LightSubpath};
 use super::reuse::SharedWalks;
+use super::vertex_store::VertexStore;
 use crate::path::rules::step;
 use crate::path::visibility::contribution_transmittance;
 use crate::path::{Contribution, Contributions, Interaction, PathRules, Walk};

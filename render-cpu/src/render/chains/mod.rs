@@ -19,7 +19,7 @@ use super::divided_layers::Followed;
 use super::options::{Goal, RenderOptions};
 use super::splat::SplatFilter;
 use super::stop::Stop;
-use super::tile_job::surface_sample;
+use super::surface_sample::surface_sample;
 use crate::film::Film;
 use crate::film::aov::Aov;
 use crate::film::chain_counts::describe;

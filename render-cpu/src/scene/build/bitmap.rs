@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::reading::Reading;
-use super::texture::Field;
+use super::value_range::ValueRange;
 use crate::image::{Bitmap, Texels};
 use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
@@ -17,7 +17,7 @@ impl Builder {
         &mut self,
         object: &Object,
         index: u32,
-        field: Field,
+        range: ValueRange,
     ) -> Result<(), SceneError> {
         if !self.checked_textures.insert(index) {
             return Ok(());
@@ -30,7 +30,7 @@ impl Builder {
                 "the values go down to {least}; what is negative counts as 0"
             ))?;
         }
-        if field == Field::Share && most > MAX_REFLECTANCE {
+        if range == ValueRange::UnitInterval && most > MAX_REFLECTANCE {
             object.warn(format!(
                 "the values go up to {most}; a reflectance above 1 creates energy"
             ))?;

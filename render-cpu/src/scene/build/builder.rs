@@ -1,7 +1,7 @@
 //! The state of building a scene: the tables so far, and which objects they already hold.
 
 use super::reading::Reading;
-use super::texture::Field;
+use super::value_range::ValueRange;
 use crate::accel::GroupRange;
 use crate::expression::SceneNames;
 use crate::scene::tables::SceneTables;
@@ -32,7 +32,7 @@ pub(super) struct Builder {
     /// The material of shapes that name none: plain, of emitters, and of boundaries of media.
     pub default_materials: [Option<u32>; 3],
     /// Textures by object index.
-    pub textures: HashMap<(usize, Field), u32>,
+    pub textures: HashMap<(usize, ValueRange), u32>,
     /// Textures whose range has been looked at.
     pub checked_textures: HashSet<u32>,
     /// Bitmaps by file and how it is read: first word, width, height, format.

@@ -3,7 +3,8 @@
 use super::builder::{Builder, name_last};
 use super::reading::Reading;
 use super::sensor::field_of_view;
-use super::texture::{Field, MeshAttributes, expect_constant};
+use super::texture::{MeshAttributes, expect_constant};
+use super::value_range::ValueRange;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::transform;
@@ -108,7 +109,7 @@ impl Builder {
         let cutoff = object.get_float_in("cutoff_angle", 20.0, 1e-3, 180.0)?;
         let beam = object.get_float_in("beam_width", cutoff * 0.75, 0.0, cutoff)?;
         if let Some(texture) = object.texture("texture").cloned() {
-            record.radiance.texture = self.texture(&texture, Field::Unbounded, None)?;
+            record.radiance.texture = self.texture(&texture, ValueRange::Unbounded, None)?;
         }
         record.parameters = [
             beam.to_radians() as f32,

@@ -22,6 +22,7 @@ mod selection;
 mod sensor;
 mod shape;
 mod texture;
+mod value_range;
 
 use crate::expression::{PartsError, PartsRequest, PathParts, SceneNames};
 use crate::film::aov::AovSet;

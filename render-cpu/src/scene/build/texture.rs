@@ -3,6 +3,7 @@
 use super::bitmap::{filter, wrap};
 use super::builder::Builder;
 use super::reading::Reading;
+use super::value_range::ValueRange;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{ColorSource, FloatSource, Object, ObjectKind};
@@ -21,25 +22,6 @@ pub(super) struct MeshAttributes {
     pub first_triangle: u32,
     /// Mean length of the edges of its triangles.
     pub mean_edge: f32,
-}
-
-/// What the values of a texture may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Field {
-    /// From 0 to 1: reflectances, and numbers.
-    Share,
-    /// As large as they like: light, indices of refraction.
-    Unbounded,
-}
-
-impl Field {
-    /// How the colours of patterns are read.
-    fn color_use(self) -> ColorUse {
-        match self {
-            Field::Share => ColorUse::Reflectance,
-            Field::Unbounded => ColorUse::Unbounded,
-        }
-    }
 }
 
 const IDENTITY_UV: [f32; 6] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -72,12 +54,12 @@ impl Builder {
                 Ok(RgbParameter::constant(value))
             }
             ColorSource::Texture(texture) => {
-                let field = match usage {
-                    ColorUse::Reflectance => Field::Share,
-                    ColorUse::Emission | ColorUse::Unbounded => Field::Unbounded,
+                let range = match usage {
+                    ColorUse::Reflectance => ValueRange::UnitInterval,
+                    ColorUse::Emission | ColorUse::Unbounded => ValueRange::Unbounded,
                 };
-                let index = self.texture(&texture, field, mesh)?;
-                self.check_range(&texture, index, field)?;
+                let index = self.texture(&texture, range, mesh)?;
+                self.check_range(&texture, index, range)?;
                 Ok(RgbParameter::textured(index))
             }
         }
@@ -95,7 +77,7 @@ impl Builder {
             FloatSource::Constant(value) => Ok(ScalarParameter::constant(value as f32)),
             FloatSource::Texture(texture) => Ok(ScalarParameter {
                 value: 1.0,
-                texture: self.texture(&texture, Field::Share, mesh)?,
+                texture: self.texture(&texture, ValueRange::UnitInterval, mesh)?,
             }),
         }
     }
@@ -104,14 +86,14 @@ impl Builder {
     pub(super) fn texture(
         &mut self,
         object: &Arc<Object>,
-        field: Field,
+        range: ValueRange,
         mesh: Option<&MeshAttributes>,
     ) -> Result<u32, SceneError> {
-        let key = (object.index, field);
+        let key = (object.index, range);
         if let Some(&index) = self.textures.get(&key) {
             return Ok(index);
         }
-        let (texture, shared) = self.build_texture(object, field, mesh)?;
+        let (texture, shared) = self.build_texture(object, range, mesh)?;
         let index = self.tables.textures.len() as u32;
         self.tables.textures.push(texture);
         if shared {
@@ -124,7 +106,7 @@ impl Builder {
     fn build_texture(
         &mut self,
         object: &Arc<Object>,
-        field: Field,
+        range: ValueRange,
         mesh: Option<&MeshAttributes>,
     ) -> Result<(Texture, bool), SceneError> {
         let mut texture = Texture {
@@ -135,7 +117,7 @@ impl Builder {
             color1: RgbParameter::constant([0.2; 3]),
         };
         let mut shared = true;
-        let usage = field.color_use();
+        let usage = range.color_use();
         match object.plugin.as_str() {
             "bitmap" => {
                 let path = object.require_file("filename")?;
@@ -242,7 +224,7 @@ impl Builder {
                 texture.to_uv = IDENTITY_UV;
                 texture.color0 = RgbParameter {
                     value: factor.value,
-                    texture: self.texture(nested, field, mesh)?,
+                    texture: self.texture(nested, range, mesh)?,
                 };
             }
             other => {

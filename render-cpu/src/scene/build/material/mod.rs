@@ -15,7 +15,8 @@ mod principled_thin;
 mod scattering_layer;
 
 use super::builder::{Builder, name_last};
-use super::texture::{Field, MeshAttributes};
+use super::texture::MeshAttributes;
+use super::value_range::ValueRange;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind, Value};
 use context::{Coats, Context, PendingLobe, nested_bsdfs};
@@ -233,7 +234,7 @@ impl Builder {
                     } else {
                         frame_map_kind::BUMP
                     },
-                    texture: self.texture(&texture, Field::Share, context.mesh)?,
+                    texture: self.texture(&texture, ValueRange::UnitInterval, context.mesh)?,
                     scale: scale as f32,
                     parent: context.frame,
                 };

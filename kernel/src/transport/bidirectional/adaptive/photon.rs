@@ -1,0 +1,55 @@
+//! The bounce of a light walk that leaves photons and keeps its vertices.
+
+use super::records::NodeStore;
+use crate::path::path_node::PathNode;
+use crate::path::rules::step;
+use crate::path::{ShadingPoint, Walk};
+use crate::regularize::settings::Regularization;
+use crate::sampler::Sampler;
+use crate::scene::{Hit, Tables};
+use crate::transport::photon::tracing::PhotonTracer;
+
+/// [`PhotonTracer::light_bounce`] of a walk that keeps its vertices, the last of them with the index `last`; the weights of
+/// `tracer` are those without regularisation.
+pub fn photon_bounce<S: Sampler, P: NodeStore>(
+    tracer: &PhotonTracer<'_>,
+    own: &Regularization,
+    walk: &mut Walk,
+    last: &mut u32,
+    sampler: &mut S,
+    hit: &Hit,
+    site: &mut ShadingPoint,
+    store: &mut P,
+) -> u32 {
+    let connector = &tracer.connector;
+    let tables: &Tables<'_> = connector.tables;
+    let next = connector.arrive(walk, hit, site).1;
+    if next != step::SCATTER {
+        return next;
+    }
+    let at = site.interaction(walk.subpath.ray.direction);
+    let before = store.node_mut(*last).copied();
+    let node = PathNode::new(
+        tables,
+        &connector.strategies,
+        own,
+        walk,
+        hit,
+        &at,
+        (*last, before.as_ref()),
+        0.0,
+    );
+    let index = store.push_node(&node);
+    // As it may be gathered where it is regularised most.
+    tracer.leave(walk, &at.regularized(own.tau, own.flags), store);
+    let h = connector.heuristic_at(at.point.position);
+    let depth = walk.subpath.depth;
+    let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
+    if next == step::TRACE && walk.subpath.depth > depth {
+        if let Some(node) = store.node_mut(index) {
+            node.leave(tables, own, &at, walk);
+        }
+        *last = index;
+    }
+    next
+}

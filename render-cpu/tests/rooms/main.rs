@@ -1,0 +1,162 @@
+//! The order of the house: no two files of a crate import each other, directly or by way of others, and the rooms of the kernel
+//! import those before them only (README, "How to read the code").
+//!
+//! Files are parsed, not searched for words, so comments, strings and inline modules do not count. An arrow goes from a file to the
+//! one that defines the item that it names, whatever re-exports lie between. Methods are called without a path and do not count.
+
+mod graph;
+mod names;
+
+use graph::Graph;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The kernel's rooms, each of which may import those before it.
+const ROOMS: [&str; 9] = [
+    "math",
+    "simd",
+    "sampler",
+    "scene",
+    "bsdf",
+    "regularize",
+    "manifold",
+    "path",
+    "transport",
+];
+
+fn of_crate(folder: &str) -> Graph {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    Graph::read(&root.join(folder).join("src"))
+}
+
+/// A crate of files with their text.
+fn fixture(files: &[(&str, &str)]) -> (tempfile::TempDir, Graph) {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        let path: PathBuf = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        fs::write(path, text).expect("a file");
+    }
+    let graph = Graph::read(folder.path());
+    (folder, graph)
+}
+
+#[test]
+fn no_two_files_import_each_other() {
+    for (folder, least) in [("kernel", 200), ("render-cpu", 200), ("render-spirv", 20)] {
+        let graph = of_crate(folder);
+        assert!(graph.len() >= least, "{folder}: {} files", graph.len());
+        assert!(graph.arrows() > graph.len(), "{folder}: hardly any arrows");
+        let circles = graph.circles();
+        assert!(circles.is_empty(), "{folder}: {circles:#?}");
+    }
+}
+
+#[test]
+fn rooms_of_the_kernel_import_those_before_them_only() {
+    let up = of_crate("kernel").arrows_up(&ROOMS);
+    assert!(up.is_empty(), "{up:#?}");
+}
+
+#[test]
+fn readme_names_the_rooms_in_this_order() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+    let text = fs::read_to_string(path).expect("README.md");
+    let line = text.lines().find(|line| line.starts_with("| `kernel/` |"));
+    let names: Vec<&str> = line
+        .expect("the kernel")
+        .split('`')
+        .skip(3)
+        .step_by(2)
+        .collect();
+    assert_eq!(names, ROOMS);
+}
+
+#[test]
+fn circles_by_every_kind_of_import_are_found() {
+    let both_ways = [
+        (
+            "use crate::b::B; pub struct A(pub B);",
+            "use crate::a::A; pub struct B(pub Box<A>);",
+        ),
+        (
+            "use super::b::*; pub struct A(pub B);",
+            "pub struct B(pub Box<crate::a::A>);",
+        ),
+        (
+            "use crate::Renamed; pub fn f(_: Renamed) {}",
+            "pub struct B; pub fn g() { crate::a::f(B) }",
+        ),
+        (
+            "use crate::b; pub fn f() { b::g() }",
+            "pub fn g() { assert!(crate::a::f() == ()) }",
+        ),
+        (
+            "pub fn f() {} fn h() { super::b::g() }",
+            "pub fn g() {} mod inner { fn h() { super::super::a::f() } }",
+        ),
+        (
+            "pub const A: u32 = crate::b::B;",
+            "use crate::{a::{self as other}}; pub const B: u32 = other::A;",
+        ),
+    ];
+    for (a, b) in both_ways {
+        let (_folder, graph) = fixture(&[
+            ("lib.rs", "mod a; mod b; pub use b::B as Renamed;"),
+            ("a.rs", a),
+            ("b.rs", b),
+        ]);
+        assert_eq!(graph.circles().len(), 1, "{a}\n{b}");
+    }
+}
+
+#[test]
+fn circles_of_three_and_of_a_folder_with_its_files_are_found() {
+    let (_folder, graph) = fixture(&[
+        ("lib.rs", "mod a; mod b; mod c;"),
+        ("a.rs", "pub fn f() { crate::b::f() }"),
+        ("b.rs", "pub fn f() { crate::c::f() }"),
+        ("c/mod.rs", "mod d; pub fn f() { d::f() } pub struct C;"),
+        ("c/d.rs", "pub fn f() { let _ = super::C; crate::a::f() }"),
+    ]);
+    let circles = graph.circles();
+    assert_eq!(circles.len(), 1, "{circles:#?}");
+    assert!(
+        ["a.rs", "b.rs", "c/mod.rs", "c/d.rs"]
+            .iter()
+            .all(|name| circles[0].contains(name))
+    );
+}
+
+#[test]
+fn what_is_no_import_is_no_circle() {
+    let (_folder, graph) = fixture(&[
+        ("lib.rs", "mod a; mod b; pub use a::A; pub use b::f;"),
+        (
+            "a.rs",
+            "//! See crate::b::f.\npub struct A; const _: &str = \"crate::b::f\"; mod tests { use super::*; fn g(_: A) {} }",
+        ),
+        ("b.rs", "use crate::A; pub fn f(_: A) {}"),
+    ]);
+    assert!(graph.circles().is_empty());
+    assert_eq!(graph.arrows(), 1);
+}
+
+#[test]
+fn an_arrow_up_is_found() {
+    let rooms = ["low", "high"];
+    let files = [
+        ("lib.rs", "mod low; mod high; pub use high::f;"),
+        ("low/mod.rs", "mod x;"),
+        ("low/x.rs", "fn g() { crate::f() }"),
+        ("high.rs", "pub fn f() {}"),
+    ];
+    assert_eq!(fixture(&files).1.arrows_up(&rooms).len(), 1);
+    let down = [
+        files[0],
+        files[1],
+        ("low/x.rs", "pub fn f() {}"),
+        ("high.rs", "pub use crate::low::x::f; fn g() { f() }"),
+    ];
+    assert!(fixture(&down).1.arrows_up(&rooms).is_empty());
+}

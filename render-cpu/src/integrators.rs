@@ -95,6 +95,12 @@ pub const INTEGRATORS: &[Integrator] = &[
     ),
     integrator("bdpt", BIDIRECTIONAL, Splats, "bidirectional path tracing"),
     integrator(
+        "bdmnee",
+        MANIFOLD_BIDIRECTIONAL,
+        Splats,
+        "bidirectional path tracing that connects to lights through glass",
+    ),
+    integrator(
         "pssmlt",
         PRIMARY_SAMPLE_MLT,
         Chains,

@@ -11,7 +11,7 @@
 //! | [`regularized_path`] | path tracing whose next event estimation is regularised |
 //! | [`divided`] | path tracing whose light is divided by path expressions |
 //! | `retargeted` | path tracing, bidirectional path tracing and merging with edits of light transport (hosts only) |
-//! | `manifold_path` | path tracing that connects to lights through refracting interfaces (hosts only) |
+//! | `manifold_connection`, `manifold_path` | connections to lights through refracting interfaces, and path tracing that makes them (hosts only) |
 //! | [`irradiance`], `recorded`, `light_volume` | what falls on a surface; paths with their vertices, and light in voxels (hosts only) |
 //! | [`connection`] | next event estimation |
 //! | [`bounce`] | the order of the stages of a bounce, for all drivers of path tracing |
@@ -32,6 +32,8 @@ pub mod irradiance;
 // Grids of voxels are in the memory of hosts.
 #[cfg(not(target_arch = "spirv"))]
 pub mod light_volume;
+#[cfg(not(target_arch = "spirv"))]
+pub mod manifold_connection;
 #[cfg(not(target_arch = "spirv"))]
 pub mod manifold_path;
 #[cfg(not(target_arch = "spirv"))]

@@ -23,6 +23,8 @@ pub mod integrator_kind {
     pub const LIGHT_TRACING: u32 = 4;
     /// Path tracing with manifold next event estimation (`transport/manifold_path.rs`).
     pub const MANIFOLD_PATH: u32 = 5;
+    /// Bidirectional path tracing with manifold next event estimation (`transport/bidirectional/manifold.rs`).
+    pub const MANIFOLD_BIDIRECTIONAL: u32 = 6;
     /// Metropolis chains in the space of primary samples (`transport/markov`).
     pub const PRIMARY_SAMPLE_MLT: u32 = 8;
     /// Metropolis chains of whole paths (`transport/markov/veach`).

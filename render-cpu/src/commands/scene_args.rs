@@ -31,7 +31,7 @@ pub struct SceneArgs {
     /// Part of the image to render, in pixels of the whole image.
     #[arg(help_heading = "Pixels", long, value_name = "X,Y,W,H", value_parser = parse_crop)]
     pub crop: Option<Crop>,
-    /// Algorithm instead of the scene's: path, mnee, direct, ao, ptracer, bdpt, pssmlt, mmlt, mlt, memlt, hslt, erpt, meerpt, sppm, mcppm, appm, vcm, vm or bpm.
+    /// Algorithm instead of the scene's: path, mnee, direct, ao, ptracer, bdpt, bdmnee, pssmlt, mmlt, mlt, memlt, hslt, erpt, meerpt, sppm, mcppm, appm, vcm, vm or bpm.
     #[arg(help_heading = "Algorithm", long, value_name = "NAME")]
     pub integrator: Option<String>,
     /// Random numbers instead of the scene's: independent or sobol.

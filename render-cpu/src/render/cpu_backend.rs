@@ -22,7 +22,7 @@ use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -129,7 +129,9 @@ impl Backend for CpuBackend<'_> {
         let edits = self.scene.edits.view();
         let is_shared = matches!(shape(settings.kind), Shape::Splats | Shape::Passes);
         let is_adaptive = is_shared && settings.regularization.is_adaptive();
-        let follows_paths = division.is_some() || edits.is_some() || is_adaptive;
+        let connects_through = settings.kind == integrator_kind::MANIFOLD_BIDIRECTIONAL;
+        let follows_paths =
+            division.is_some() || edits.is_some() || is_adaptive || connects_through;
         if is_shared && follows_paths && counts.is_none() {
             let pilots = &self.pilots;
             let followed = Followed {

@@ -1,6 +1,6 @@
 //! The driver of algorithms with light walks, photon mapping among them, for images whose paths are followed one by one: those that
-//! path expressions divide, those whose light is edited, and those that are regularised as each path needs it. Layers of samples, as
-//! in `splatting`, each with an image for every part.
+//! path expressions divide, those whose light is edited, those that are regularised as each path needs it, and those that connect
+//! to lights through interfaces. Layers of samples, as in `splatting`, each with an image for every part.
 //!
 //! Samples are taken one by one, because what is divided follows each of its walks. Samples and splats are added in the order
 //! of rows and samples, so that the sums depend on the layer's index alone.
@@ -31,6 +31,7 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::bidirectional::adaptive::{
     Adaptive, AdaptivePhotons, AdaptiveRoom,
 };
+use halflight_kernel::transport::bidirectional::manifold::sample_through_interfaces;
 use halflight_kernel::transport::bidirectional::{
     Bidirectional, DividedPhotons, DividedSample, StateStore, Unshadowed, Watcher, counted,
     sample_watched,
@@ -331,6 +332,19 @@ fn sample_rows<T: Traverse, S: LaneSampler>(
                     &seen,
                     &mut vertices,
                     &mut divided,
+                );
+            }
+            None if settings.kind == integrator_kind::MANIFOLD_BIDIRECTIONAL => {
+                let (light, camera) = (&mut sample.light, &mut sample.camera);
+                let add = |contribution: Contribution| add(contribution, &Shares::NONE);
+                sample_through_interfaces(
+                    view,
+                    algorithm,
+                    light,
+                    camera,
+                    &seen,
+                    &mut vertices,
+                    add,
                 );
             }
             None => {

@@ -97,7 +97,9 @@ fn integrator_words(scene: &Scene) -> Vec<(&'static str, String)> {
                 (settings.occlusion.distance * scene.tables.info.radius).to_string(),
             ),
         ]),
-        integrator_kind::BIDIRECTIONAL | integrator_kind::LIGHT_TRACING => {
+        integrator_kind::BIDIRECTIONAL
+        | integrator_kind::LIGHT_TRACING
+        | integrator_kind::MANIFOLD_BIDIRECTIONAL => {
             let own = &settings.bidirectional;
             let any = |n: u32| match n {
                 NONE => "*".to_string(),

@@ -53,13 +53,19 @@ fn lamps_behind_interfaces_keep_the_image() {
         let plain = Batches::render(what, &mut scene, plain, 192);
         let own = settings_of(&scene, integrator_kind::MANIFOLD_PATH);
         let own = Batches::render(what, &mut scene, own, 192);
+        let both = settings_of(&scene, integrator_kind::MANIFOLD_BIDIRECTIONAL);
+        let both = Batches::render(what, &mut scene, both, 64);
         println!(
-            "{what}: noise {:.4}, of path tracing {:.4}",
+            "{what}: noise {:.4}, of path tracing {:.4}, from both ends {:.4}, {:.4}",
             own.relative_error(),
-            plain.relative_error()
+            plain.relative_error(),
+            both.relative_error(),
+            truth.relative_error(),
         );
         results.push(compare(&format!("{what}, path"), &truth, &plain));
         results.push(compare(what, &truth, &own));
+        results.push(compare(&format!("{what}, both ends"), &truth, &both));
+        results.push(compare(&format!("{what}, both ends, path"), &plain, &both));
     }
     report(results);
 }
@@ -87,9 +93,14 @@ fn point_lights_behind_panes_keep_the_image() {
         scene.settings.rules.max_depth = 4;
         let truth = settings_of(&scene, integrator_kind::BIDIRECTIONAL);
         let truth = Batches::render(what, &mut scene, truth, 512);
-        let own = settings_of(&scene, integrator_kind::MANIFOLD_PATH);
-        let own = Batches::render(what, &mut scene, own, 128);
-        results.push(compare(what, &truth, &own));
+        for kind in [
+            integrator_kind::MANIFOLD_PATH,
+            integrator_kind::MANIFOLD_BIDIRECTIONAL,
+        ] {
+            let own = settings_of(&scene, kind);
+            let own = Batches::render(what, &mut scene, own, 128);
+            results.push(compare(&format!("{what}, {kind}"), &truth, &own));
+        }
     }
     report(results);
 }

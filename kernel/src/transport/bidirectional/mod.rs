@@ -20,6 +20,7 @@
 //! - `reuse`: connections with a few of the vertices of many light walks;
 //! - `sample`: one sample by itself;
 //! - `divided`: the same, divided by path expressions;
+//! - `manifold`: the same, with connections to lights through refracting interfaces;
 //! - `adaptive`: the same, regularised as each path needs it.
 
 // Hosts only: both subpaths are kept.
@@ -27,6 +28,8 @@
 pub mod adaptive;
 mod algorithm;
 mod divided;
+#[cfg(not(target_arch = "spirv"))]
+pub mod manifold;
 mod reuse;
 mod sample;
 mod vertex_store;

@@ -6,6 +6,7 @@ mod agreement;
 mod beside;
 mod brightness;
 mod half_vectors;
+mod hostile_scenes;
 mod measures;
 mod mollified;
 mod promises;

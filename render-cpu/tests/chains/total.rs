@@ -1,7 +1,9 @@
 //! Every mutation on scenes with poles: grazing angles, surfaces that coincide, indices near one, roughness near zero, edges of no
 //! length, normals far off their triangles. Nothing panics, no number is infinite or a NaN, no path without light becomes the state.
+//! `HALFLIGHT_HOSTILE_SCENES=N` makes more of the random ones, and the fuzz target `mutations` all that it finds.
 
 use crate::brightness::{SKY, camera};
+use crate::hostile_scenes::{self, MESH};
 use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky, with_view};
 use halflight_kernel::transport::markov::algorithm::StepRecord;
 use halflight_kernel::transport::markov::{ChainAlgorithm, Splat, VeachChains};
@@ -146,4 +148,29 @@ fn mutations_are_total() {
         println!("{what}: {moved} proposals with light");
         assert!(moved > 200, "{what} shows nothing");
     }
+}
+
+#[test]
+fn random_scenes_are_total() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join(MESH.0), MESH.1).unwrap();
+    let scenes: u64 = std::env::var("HALFLIGHT_HOSTILE_SCENES")
+        .map_or(150, |text| text.parse().expect("a number of scenes"));
+    let (mut chains, mut proposals, mut walks) = (0, 0, 0);
+    for scene in 0..scenes {
+        let numbers = |i: u32| hash(scene as u32, i).to_le_bytes();
+        let bytes: Vec<u8> = (0..40).flat_map(numbers).collect();
+        let reached = hostile_scenes::check(&bytes, folder.path());
+        chains += reached.chains;
+        proposals += reached.proposals;
+        walks += reached.walks;
+    }
+    println!("{scenes} scenes: {chains} chains, {proposals} proposals with light, {walks} walks");
+    let least = scenes as u32;
+    assert!(chains > 10 * least && proposals > 20 * least && walks > 10 * scenes);
+}
+
+/// 32 bits that belong to two numbers.
+fn hash(a: u32, b: u32) -> u32 {
+    halflight_kernel::sampler::mix(halflight_kernel::sampler::mix(a).wrapping_add(b))
 }

@@ -2,7 +2,7 @@
 
 use super::ChainPath;
 use super::bidirectional::{self, Change};
-use super::group::{VeachChains, mutation, stream};
+use super::group::{VeachChains, is_countable, mutation, stream};
 use super::perturbation::{light_chain, propose_from_light, propose_from_sensor, sensor_chain};
 use crate::bsdf::Bsdf;
 use crate::sampler::{FreshSamples, Sampler, mix};
@@ -105,10 +105,7 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
             }
             _ => propose_from_sensor(tracer, x, y, bsdf, sampler),
         };
-        // A path whose light is too small or too large for a float has no reciprocal to count by.
-        let light = y.luminance();
-        let is_countable = light >= f32::MIN_POSITIVE && light < f32::INFINITY;
-        if !(ratio > 0.0 && is_countable && self.is_own(y)) {
+        if !(ratio > 0.0 && is_countable(y) && self.is_own(y)) {
             return 0.0;
         }
         let ratio = ratio * self.importance.at(y.film) / self.importance.at(x.film);
@@ -134,10 +131,12 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
         if path.is_blurred() && chain.weight > 0.0 {
             let before = path.luminance();
             let mut bsdf = Bsdf::BLACK;
-            let is_lit = self.tracer.evaluate(path, &mut bsdf);
-            let light = path.luminance();
-            let is_countable = is_lit && light >= f32::MIN_POSITIVE;
-            chain.weight *= if is_countable { light / before } else { 0.0 };
+            let is_lit = self.tracer.evaluate(path, &mut bsdf) && is_countable(path);
+            chain.weight *= if is_lit {
+                path.luminance() / before
+            } else {
+                0.0
+            };
         }
     }
 }

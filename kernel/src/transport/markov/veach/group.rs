@@ -55,6 +55,12 @@ pub struct VeachChains<'a, T: Traverse> {
     expressions: Option<PathExpressions<'a>>,
 }
 
+/// Whether the light of a path is not too small or too large for a float to have a reciprocal to count by.
+pub(super) fn is_countable(path: &ChainPath) -> bool {
+    let light = path.luminance();
+    light >= f32::MIN_POSITIVE && light < f32::INFINITY
+}
+
 impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
     /// Those of `group`, over paths of at least `min_edges` edges, and shorter ones that are mollified.
     pub fn new(
@@ -156,7 +162,8 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
 
     /// Adds F / I of a path times `factor` to the image and to its parts.
     pub(super) fn add_path(&self, path: &ChainPath, factor: f32, add: &mut impl FnMut(Splat)) {
-        let value = path.value * (factor / (path.luminance() * self.importance.at(path.film)));
+        // In this order a path of as little light as a float holds gives a finite value.
+        let value = path.value / path.luminance() * (factor / self.importance.at(path.film));
         let whole = Splat {
             film: path.film,
             value,
@@ -195,7 +202,8 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         let mut light = stream(stream::CANDIDATE_LIGHT);
         let (tracer, blurring) = (&self.tracer, self.blurring(0));
         candidate::paths(tracer, blurring, &mut sensor, &mut light, |path, weight| {
-            let weight = if self.is_own(path) { weight } else { 0.0 };
+            let counts = self.is_own(path) && is_countable(path);
+            let weight = if counts { weight } else { 0.0 };
             add(path, weight * self.importance.at(path.film));
         });
     }

@@ -7,7 +7,7 @@ use common::lobes::{case, delta_cases, incidences, mixtures, smooth_cases, white
 use common::{Random, direction_at, furnace};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::fresnel::fresnel_diffuse_reflectance;
-use halflight_kernel::bsdf::hanrahan_krueger::given;
+use halflight_kernel::bsdf::hanrahan_krueger::layer_parameters;
 use halflight_kernel::bsdf::ward::variant;
 use halflight_kernel::bsdf::{Bsdf, BsdfSample, Lobe, event, lobe, mode};
 use halflight_kernel::math::Frame;
@@ -150,7 +150,7 @@ fn a_thin_layer_without_absorption_returns_all_light() {
     // Light that is scattered twice is lost: to first order in the depth there is none.
     for g in [0.0, 0.7] {
         let mut lobe = white(lobe_kind::HANRAHAN_KRUEGER);
-        lobe.distribution = given::DEPTHS;
+        lobe.distribution = layer_parameters::DEPTHS;
         lobe.specular_transmittance = Vec3::ZERO;
         lobe.exponent = g;
         for (depth, least) in [(1e-4, 0.9995), (0.1, 0.8)] {

@@ -7,7 +7,7 @@ use common::furnace;
 use common::lobes::white;
 use common::{Random, direction_at};
 use glam::{DVec3, Vec2, Vec3};
-use halflight_kernel::bsdf::coat::{enter, leave, round_trip};
+use halflight_kernel::bsdf::coat::{refract_in, refract_out, round_trip};
 use halflight_kernel::bsdf::rough_transmittance::{
     ENTRIES, ROW, ROWS, boundary_transmittance, fill, fill_row, internal_reflectance,
     row_internal_reflectance, transmittance,
@@ -42,9 +42,9 @@ fn entering_and_leaving_are_inverse() {
     let mut worst = 0.0_f32;
     for _ in 0..10_000 {
         let w = random.upper_direction();
-        let inside = enter(&TWO, 2, &[], w);
+        let inside = refract_in(&TWO, 2, &[], w);
         assert!(inside.valid);
-        let back = leave(&TWO, 2, &[], inside.w);
+        let back = refract_out(&TWO, 2, &[], inside.w);
         // The cosine of a grazing direction is lost in that of the refracted one.
         if w.z > 0.05 {
             assert!(back.valid);
@@ -75,7 +75,7 @@ fn jacobian_is_that_of_the_refraction() {
                     / (2.0 * h)
             };
             let expected = derivative(s).cross(derivative(t)).length();
-            let found = f64::from(enter(&TWO, count as u32, &[], w).jacobian);
+            let found = f64::from(refract_in(&TWO, count as u32, &[], w).jacobian);
             assert!(
                 (found - expected).abs() < 1e-5 * expected,
                 "{w}: {found}, {expected}"
@@ -89,14 +89,14 @@ fn transmittance_is_the_product_over_the_coats() {
     let mut random = Random(3);
     for _ in 0..1_000 {
         let w = random.upper_direction();
-        let first = enter(&TWO, 1, &[], w);
-        let second = enter(&[TWO[1], Coat::NONE], 1, &[], first.w);
-        let both = enter(&TWO, 2, &[], w);
+        let first = refract_in(&TWO, 1, &[], w);
+        let second = refract_in(&[TWO[1], Coat::NONE], 1, &[], first.w);
+        let both = refract_in(&TWO, 2, &[], w);
         assert!((both.transmittance - first.transmittance * second.transmittance).length() < 1e-6);
         assert!((both.w - second.w).length() < 1e-6);
         let guess = round_trip(&TWO, 2, &[], w);
         let exact =
-            both.transmittance * enter(&TWO, 2, &[], random.upper_direction()).transmittance;
+            both.transmittance * refract_in(&TWO, 2, &[], random.upper_direction()).transmittance;
         assert!((guess - exact).min_element() > -1e-6, "{guess} {exact}");
     }
 }
@@ -110,11 +110,11 @@ fn total_reflection_lets_nothing_through() {
         },
         Coat::NONE,
     ];
-    assert!(!enter(&thin, 1, &[], direction_at(42.0, 0.0)).valid);
-    assert!(enter(&thin, 1, &[], direction_at(41.0, 0.0)).valid);
-    assert!(!leave(&TWO, 1, &[], direction_at(51.0, 0.0)).valid);
-    assert!(leave(&TWO, 1, &[], direction_at(50.0, 0.0)).valid);
-    assert!(!enter(&TWO, 2, &[], -Vec3::Z).valid);
+    assert!(!refract_in(&thin, 1, &[], direction_at(42.0, 0.0)).valid);
+    assert!(refract_in(&thin, 1, &[], direction_at(41.0, 0.0)).valid);
+    assert!(!refract_out(&TWO, 1, &[], direction_at(51.0, 0.0)).valid);
+    assert!(refract_out(&TWO, 1, &[], direction_at(50.0, 0.0)).valid);
+    assert!(!refract_in(&TWO, 2, &[], -Vec3::Z).valid);
 }
 
 #[test]

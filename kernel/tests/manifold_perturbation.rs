@@ -2,7 +2,9 @@
 
 use glam::{Vec2, Vec3};
 use halflight_kernel::math::Frame;
-use halflight_kernel::transport::markov::half_vector::manifold_perturbation::{Turn, plans};
+use halflight_kernel::transport::markov::half_vector::manifold_perturbation::{
+    DirectionLobe, plans,
+};
 
 #[test]
 fn plans_start_at_both_ends() {
@@ -28,7 +30,7 @@ fn plans_start_at_both_ends() {
 /// The density integrates to one, and the mean cosine of samples is that of the density.
 #[test]
 fn turns_follow_their_density() {
-    let turn = Turn { kappa: 5.0 };
+    let turn = DirectionLobe { kappa: 5.0 };
     let axis = Vec3::new(0.3, -0.5, 0.8).normalize();
     let n = 200_000;
     let mut mean = 0.0;

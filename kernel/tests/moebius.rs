@@ -6,7 +6,7 @@ mod primitives;
 
 use common::Random;
 use glam::{DVec2, Vec2};
-use halflight_kernel::manifold::disk_lobe::{DiskLobe, exponent_of_deviation, turn, turn_back};
+use halflight_kernel::manifold::disk_lobe::{DiskLobe, exponent_of_deviation, rotate, rotate_back};
 use halflight_kernel::manifold::slope_gaussian::SlopeGaussian;
 use halflight_kernel::math::moebius::{moebius, moebius_jacobian};
 use primitives::runner;
@@ -257,7 +257,7 @@ fn slope_gaussians_integrate_to_one_and_match_their_samples() {
     };
     let (side, n) = (24, 200_000);
     let cell = |h: Vec2| {
-        let d = turn_back(gaussian.axis, h - gaussian.center) / gaussian.deviation;
+        let d = rotate_back(gaussian.axis, h - gaussian.center) / gaussian.deviation;
         let at = |x: f32| ((x + 3.0) / 6.0 * side as f32).clamp(0.0, side as f32 - 1.0) as usize;
         at(d.y) * side + at(d.x)
     };
@@ -266,7 +266,7 @@ fn slope_gaussians_integrate_to_one_and_match_their_samples() {
     for i in 0..fine {
         for j in 0..fine {
             let d = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / fine as f32 * 12.0 - 6.0;
-            let h = gaussian.center + turn(gaussian.axis, d * gaussian.deviation);
+            let h = gaussian.center + rotate(gaussian.axis, d * gaussian.deviation);
             let area =
                 (12.0 / fine as f64).powi(2) * f64::from(gaussian.deviation.element_product());
             expected[cell(h)] += f64::from(gaussian.pdf_slope(h)) * area;

@@ -5,7 +5,7 @@ mod common;
 use common::lobes::white;
 use common::{Random, direction_at};
 use glam::{Vec2, Vec3};
-use halflight_kernel::bsdf::hanrahan_krueger::given;
+use halflight_kernel::bsdf::hanrahan_krueger::layer_parameters;
 use halflight_kernel::bsdf::ward::variant;
 use halflight_kernel::bsdf::{Lobe, lobe};
 use halflight_kernel::scene::lobe_kind;
@@ -116,12 +116,12 @@ fn diffusers_transmit_by_lambert() {
 fn scattering_layers_are_hanrahan_and_krueger() {
     for (depth, albedo, g) in [(0.3, 0.9, 0.0), (2.0, 0.5, 0.6), (0.01, 1.0, -0.3_f64)] {
         let mut by_albedo = white(lobe_kind::HANRAHAN_KRUEGER);
-        by_albedo.distribution = given::ALBEDO;
+        by_albedo.distribution = layer_parameters::ALBEDO;
         by_albedo.reflectance = Vec3::splat(albedo as f32);
         by_albedo.specular_transmittance = Vec3::splat(depth as f32);
         by_albedo.exponent = g as f32;
         let mut by_depths = by_albedo;
-        by_depths.distribution = given::DEPTHS;
+        by_depths.distribution = layer_parameters::DEPTHS;
         by_depths.reflectance = Vec3::splat((albedo * depth) as f32);
         by_depths.specular_transmittance = Vec3::splat(((1.0 - albedo) * depth) as f32);
         let phase = |i: [f64; 3], o: [f64; 3]| {

@@ -1,7 +1,7 @@
 //! What path tracing keeps of a path and what it leaves to chains are all of it.
 
 use halflight_kernel::path::remainder::{LEAST_EDGES, MOST_EDGES, Remainder};
-use halflight_kernel::transport::markov::veach::balance::{Probe, balance};
+use halflight_kernel::transport::markov::veach::balance::{CandidatePath, balance};
 use proptest::prelude::*;
 
 /// The power heuristic's weights in f64.
@@ -29,7 +29,7 @@ proptest! {
                 share[i] * f64::from(remainder.kept(found as f32, edges))
             })
             .sum();
-        let left = f64::from(remainder.left(luminance, pdf, edges));
+        let left = f64::from(remainder.chain_share(luminance, pdf, edges));
         prop_assert!((kept + left - 1.0).abs() < 1e-5, "{} and {}", kept, left);
     }
 
@@ -39,9 +39,9 @@ proptest! {
         lights in prop::collection::vec((-2.0f32..1.0, -2.0f32..2.0), 300..400),
         mutations in 0.1f32..10.0,
     ) {
-        let probes: Vec<Probe> = lights
+        let probes: Vec<CandidatePath> = lights
             .iter()
-            .map(|(weight, pdf)| Probe {
+            .map(|(weight, pdf)| CandidatePath {
                 weight: 10f32.powf(*weight),
                 luminance: 1.0,
                 pdf: [10f32.powf(*pdf), 0.0],
@@ -52,7 +52,7 @@ proptest! {
         let found = balance(&probes, candidates, mutations);
         let left: f32 = probes
             .iter()
-            .map(|p| p.weight * found.remainder.left(p.luminance, p.pdf, p.edges))
+            .map(|p| p.weight * found.remainder.chain_share(p.luminance, p.pdf, p.edges))
             .sum();
         let total: f32 = probes.iter().map(|p| p.weight).sum();
         let states = found.remainder.scale * left / candidates as f32;
@@ -66,11 +66,14 @@ proptest! {
 fn ends_of_the_range() {
     let remainder = Remainder { scale: 2.0 };
     assert_eq!(remainder.kept(1e30, LEAST_EDGES - 1), 1.0);
-    assert_eq!(remainder.left(1.0, [0.0, 0.0], 4), 1.0);
-    assert_eq!(remainder.left(1.0, [1.0, 1.0], MOST_EDGES + 1), 1.0);
-    assert_eq!(remainder.left(f32::MAX, [1e-30, 0.0], 4), 1.0);
+    assert_eq!(remainder.chain_share(1.0, [0.0, 0.0], 4), 1.0);
+    assert_eq!(remainder.chain_share(1.0, [1.0, 1.0], MOST_EDGES + 1), 1.0);
+    assert_eq!(remainder.chain_share(f32::MAX, [1e-30, 0.0], 4), 1.0);
     assert_eq!(Remainder { scale: 0.0 }.kept(f32::MAX, 5), 1.0);
-    assert_eq!(Remainder { scale: 0.0 }.left(1.0, [1.0, 0.0], 5), 0.0);
+    assert_eq!(
+        Remainder { scale: 0.0 }.chain_share(1.0, [1.0, 0.0], 5),
+        0.0
+    );
     let nothing = balance(&[], 100, 1.0);
     assert_eq!((nothing.remainder.scale, nothing.left), (0.0, 0.0));
 }

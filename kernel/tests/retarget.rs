@@ -49,7 +49,7 @@ fn measured(edit: &Edit, x: Vec3, w: Vec3) -> Option<f32> {
     let (a, b) = w.any_orthonormal_pair();
     let h = 2e-3;
     let at = |d: Vec3| {
-        edit.turn(x, (w + d * h).normalize())
+        edit.redirect(x, (w + d * h).normalize())
             .map(|turn| turn.direction)
     };
     let along = (at(a)? - at(-a)?) / (2.0 * h);
@@ -73,7 +73,7 @@ proptest! {
         let x = Vec3::from_array(x) + Vec3::new(0.0, 6.0, 0.0);
         let u = DVec3::from_array(u) * if kind == source::BOX { DVec3::new(1.0, 1.0, 0.0) } else { DVec3::ONE };
         let w = (region.transform_point3(u).as_vec3() - x).normalize();
-        if let Some(turn) = edit.turn(x, w) {
+        if let Some(turn) = edit.redirect(x, w) {
             prop_assert!((turn.direction.length() - 1.0).abs() < 1e-5);
             let Some(back) = edit.origin(x, turn.direction) else {
                 // At the border rounding decides.
@@ -108,7 +108,7 @@ proptest! {
         let y = region.transform_point3(DVec3::new(u[0], u[1], 0.0));
         let w = (y.as_vec3() - x).normalize();
         let goal = map.transform_point3(y).as_vec3();
-        if let Some(turn) = edit.turn(x, w) {
+        if let Some(turn) = edit.redirect(x, w) {
             prop_assert!(turn.direction.distance((goal - x).normalize()) < 2e-3);
         }
     }
@@ -122,31 +122,31 @@ fn what_misses_the_source_is_left_alone() {
         DAffine3::from_translation(DVec3::X),
     );
     let x = Vec3::new(0.0, 0.0, 3.0);
-    assert!(edit.turn(x, -Vec3::Z).is_some());
-    assert!(edit.turn(x, Vec3::Z).is_none());
+    assert!(edit.redirect(x, -Vec3::Z).is_some());
+    assert!(edit.redirect(x, Vec3::Z).is_none());
     assert!(
-        edit.turn(x, Vec3::new(2.0, 0.0, -3.0).normalize())
+        edit.redirect(x, Vec3::new(2.0, 0.0, -3.0).normalize())
             .is_none()
     );
     assert!(
         edit.origin(x, Vec3::new(2.5, 0.0, -3.0).normalize())
             .is_none()
     );
-    assert!(edit.turn(Vec3::new(5.0, 0.0, 0.0), -Vec3::X).is_none());
+    assert!(edit.redirect(Vec3::new(5.0, 0.0, 0.0), -Vec3::X).is_none());
     let ball = self::edit(
         source::BALL,
         DAffine3::IDENTITY,
         DAffine3::from_translation(DVec3::X),
     );
     assert!(
-        ball.turn(Vec3::new(0.2, 0.0, 0.3), Vec3::X).is_none(),
+        ball.redirect(Vec3::new(0.2, 0.0, 0.3), Vec3::X).is_none(),
         "within the ball"
     );
     let x = Vec3::new(0.0, 0.0, 2.0);
     // Lines from there touch the ball at 30 degrees.
     for (degrees, is_met) in [(29.5f32, true), (30.5, false)] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        let turn = ball.turn(x, Vec3::new(sin, 0.0, -cos));
+        let turn = ball.redirect(x, Vec3::new(sin, 0.0, -cos));
         assert_eq!(turn.is_some(), is_met, "{degrees}");
     }
 }

@@ -15,7 +15,7 @@
 //! times its cosine takes the same factor: f cos / p changes by the transmittances alone.
 //!
 //! Directions point away from the surface, above and inside; only `z > 0` passes. Total reflection on the way out (or in,
-//! for coats thinner than their surroundings) gives no contribution. Checked: [`enter`] and [`leave`] are inverse,
+//! for coats thinner than their surroundings) gives no contribution. Checked: [`refract_in`] and [`refract_out`] are inverse,
 //! the Jacobian by central differences in f64, chi-square of coated lobes, reciprocity, values of another renderer.
 
 use super::fresnel::fresnel_dielectric;
@@ -53,8 +53,8 @@ impl Coat {
 
 /// A direction on the other side of the coats, and the attenuation between the two.
 #[derive(Clone, Copy, Debug)]
-pub struct Passage {
-    /// The direction after the passage.
+pub struct CoatTransmission {
+    /// The direction after the transmission.
     pub w: Vec3,
     /// Product of the transmittances of the boundaries and of the absorbing layers.
     pub transmittance: Rgb,
@@ -71,8 +71,13 @@ const MIN_COSINE: f32 = 1e-2;
 
 /// Refracts `w` from outside through the first `count` coats.
 #[inline]
-pub fn enter(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Passage {
-    let mut passage = Passage {
+pub fn refract_in(
+    coats: &[Coat; MAX_COATS],
+    count: u32,
+    data: &[f32],
+    w: Vec3,
+) -> CoatTransmission {
+    let mut transmission = CoatTransmission {
         w,
         transmittance: Vec3::ONE,
         jacobian: 1.0,
@@ -80,12 +85,12 @@ pub fn enter(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
     };
     for i in 0..count as usize {
         let coat = &coats[i];
-        let outside = passage.w;
+        let outside = transmission.w;
         let eta = coat.eta.max(1e-3).min(1e3);
         let cos_inside = -fresnel_dielectric(outside.z, eta).1;
-        if !passage.valid || cos_inside < MIN_COSINE {
-            passage.valid = false;
-            return passage;
+        if !transmission.valid || cos_inside < MIN_COSINE {
+            transmission.valid = false;
+            return transmission;
         }
         let passed = rough_transmittance::transmittance(
             data,
@@ -96,17 +101,22 @@ pub fn enter(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
             outside.z,
         );
         let inverse = 1.0 / eta;
-        passage.w = Vec3::new(outside.x * inverse, outside.y * inverse, cos_inside);
-        passage.transmittance *= absorption(coat.optical_depth, cos_inside) * passed;
-        passage.jacobian *= inverse * inverse * outside.z / cos_inside;
+        transmission.w = Vec3::new(outside.x * inverse, outside.y * inverse, cos_inside);
+        transmission.transmittance *= absorption(coat.optical_depth, cos_inside) * passed;
+        transmission.jacobian *= inverse * inverse * outside.z / cos_inside;
     }
-    passage
+    transmission
 }
 
-/// Refracts `w` from below all coats to the outside; transmittance and Jacobian are those of [`enter`] at the resulting
+/// Refracts `w` from below all coats to the outside; transmittance and Jacobian are those of [`refract_in`] at the resulting
 /// direction.
 #[inline]
-pub fn leave(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Passage {
+pub fn refract_out(
+    coats: &[Coat; MAX_COATS],
+    count: u32,
+    data: &[f32],
+    w: Vec3,
+) -> CoatTransmission {
     let mut outside = w;
     let mut valid = w.z > 0.0;
     for k in 0..count as usize {
@@ -118,16 +128,16 @@ pub fn leave(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
         outside = Vec3::new(x, y, cos);
     }
     if !valid {
-        return Passage {
+        return CoatTransmission {
             w: Vec3::Z,
             transmittance: Vec3::ZERO,
             jacobian: 0.0,
             valid: false,
         };
     }
-    Passage {
+    CoatTransmission {
         w: outside,
-        ..enter(coats, count, data, outside)
+        ..refract_in(coats, count, data, outside)
     }
 }
 
@@ -135,11 +145,11 @@ pub fn leave(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Pa
 /// share that needs no second direction, and an upper bound of the transmittance for any pair of directions with this `w`.
 #[inline]
 pub fn round_trip(coats: &[Coat; MAX_COATS], count: u32, data: &[f32], w: Vec3) -> Rgb {
-    let passage = enter(coats, count, data, w);
-    if !passage.valid {
+    let transmission = refract_in(coats, count, data, w);
+    if !transmission.valid {
         return Vec3::ZERO;
     }
-    let mut transmittance = passage.transmittance;
+    let mut transmittance = transmission.transmittance;
     for i in 0..count as usize {
         transmittance *= absorption(coats[i].optical_depth, 1.0);
     }

@@ -111,7 +111,7 @@ pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     if cos_d <= 0.0 || h.z <= 0.0 {
         return 0.0;
     }
-    let law = Law::new(lobe, data, wi.z);
+    let law = HalfVectorDensity::new(lobe, data, wi.z);
     let normals = lobe.microfacets().visible_normal_pdf(wi, h);
     let slopes = law.distribution(h) * v_cavity::facing_area(wi, h);
     // Solid angle of half vectors per solid angle of wo.
@@ -132,7 +132,7 @@ pub fn sample(
     if wi.z <= 0.0 || lobe.table == NONE {
         return BsdfSample::NONE;
     }
-    let law = Law::new(lobe, data, wi.z);
+    let law = HalfVectorDensity::new(lobe, data, wi.z);
     let h = if u1 < law.reflection {
         normal()
     } else {
@@ -144,16 +144,16 @@ pub fn sample(
 
 /// The law of the half vectors of diffraction, an approximation to the spectrum that can be sampled: slopes with density
 /// `(c - 1) / (2 pi w^2) (1 + s^2 / w^2)^(-(c + 1) / 2)`.
-struct Law {
+struct HalfVectorDensity {
     /// Probability of the facets' own normals.
     reflection: f32,
     width: f32,
     c: f32,
 }
 
-impl Law {
+impl HalfVectorDensity {
     #[inline]
-    fn new(lobe: &Lobe, data: &[f32], cos: f32) -> Law {
+    fn new(lobe: &Lobe, data: &[f32], cos: f32) -> HalfVectorDensity {
         let scale = fine_scale(data, lobe.table);
         let mut kept = 0.0;
         for k in 0..3 {
@@ -163,7 +163,7 @@ impl Law {
         // The spectrum's width as a slope at the middle wavelength, and that of the facets; at grazing incidence the
         // spectrum covers all directions.
         let own = 0.5 * scale.wavelengths[1] / (scale.b * cos).max(0.1 * scale.wavelengths[1]);
-        Law {
+        HalfVectorDensity {
             // Neither is left out: each is what the other's density is too thin for.
             reflection: 0.05 + 0.9 * kept * (1.0 / 3.0),
             width: safe_sqrt(own * own + sqr(lobe.microfacets().alpha.x)),
@@ -225,7 +225,7 @@ pub fn fill_table(scale: &FineScale, alpha: f32, exponent: f32, out: &mut [f32])
 fn albedos(lobe: &Lobe, data: &[f32], scale: &FineScale, wi: Vec3) -> ([f64; 3], [f64; 3]) {
     const NODES: u32 = 40;
     let facets = lobe.microfacets();
-    let law = Law::new(lobe, data, wi.z);
+    let law = HalfVectorDensity::new(lobe, data, wi.z);
     let (mut reflected, mut diffracted) = ([0.0; 3], [0.0; 3]);
     for node in 0..NODES * NODES {
         let (x, y) = ((node % NODES) as f32, (node / NODES) as f32);

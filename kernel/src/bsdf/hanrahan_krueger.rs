@@ -11,7 +11,7 @@
 //! `p s / (cos_i cos_o) e phi(x)`, phi(x) = (1 - exp(-x)) / x, with e = 1 and x = tau (A + B), or e = exp(-tau min(A, B)) and
 //! x = tau |A - B|, a form without poles. Where light is scattered more than once it is lost, so the layer is darker than a medium.
 //!
-//! p is Henyey and Greenstein's, its mean cosine g in `exponent`; zero is isotropic. [`Lobe::distribution`], one of [`given`], says
+//! p is Henyey and Greenstein's, its mean cosine g in `exponent`; zero is isotropic. [`Lobe::distribution`], one of [`layer_parameters`], says
 //! whether `reflectance` holds s and `specular_transmittance` the depth of absorption, or the albedo and tau. The layer looks
 //! alike from both sides. Directions are drawn from p, or straight on with the probability of passing, the mean over channels;
 //! densities per solid angle. Invariants (tests): reciprocity, the published forms, the furnace at most 1, and 1 where nothing
@@ -23,7 +23,7 @@ use core::f32::consts::TAU;
 use glam::{Vec2, Vec3};
 
 /// What a record gives of the layer.
-pub mod given {
+pub mod layer_parameters {
     /// Optical depths of scattering and of absorption.
     pub const DEPTHS: u32 = 0;
     /// The albedo and the whole optical depth.
@@ -51,7 +51,7 @@ struct Layer {
 #[inline]
 fn layer(lobe: &Lobe) -> Layer {
     let limited = |v: Vec3| v.max(Vec3::ZERO).min(Vec3::splat(LARGEST_DEPTH));
-    if lobe.distribution == given::ALBEDO {
+    if lobe.distribution == layer_parameters::ALBEDO {
         let depth = limited(lobe.specular_transmittance);
         Layer {
             scattering: lobe.reflectance.max(Vec3::ZERO).min(Vec3::ONE) * depth,
@@ -78,7 +78,7 @@ fn phi(x: f32) -> f32 {
 
 /// Henyey and Greenstein's phase function of the cosine between the directions of travel.
 #[inline]
-fn phase(g: f32, cos: f32) -> f32 {
+fn henyey_greenstein(g: f32, cos: f32) -> f32 {
     // 1 + g^2 - 2 g cos without the cancellation.
     let base = float::sqr(1.0 - g) + 2.0 * g * (1.0 - cos);
     (1.0 - g) * (1.0 + g) / (2.0 * TAU * base * float::sqrt(base))
@@ -92,7 +92,7 @@ fn mean_cosine(lobe: &Lobe) -> f32 {
 
 /// The share that passes at an incident cosine.
 #[inline]
-fn passed(layer: &Layer, cos: f32) -> Rgb {
+fn transmitted_share(layer: &Layer, cos: f32) -> Rgb {
     coat::absorption(layer.depth, float::abs(cos).max(MIN_COS))
 }
 
@@ -127,7 +127,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z == 0.0 || wo.z == 0.0 {
         return Vec3::ZERO;
     }
-    attenuated(&layer(lobe), wi, wo) * phase(mean_cosine(lobe), -wi.dot(wo))
+    attenuated(&layer(lobe), wi, wo) * henyey_greenstein(mean_cosine(lobe), -wi.dot(wo))
 }
 
 /// Density of the scattered part of [`sample`] per solid angle.
@@ -136,8 +136,8 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if wi.z == 0.0 || wo.z == 0.0 {
         return 0.0;
     }
-    let q = straight_probability(passed(&layer(lobe), wi.z));
-    (1.0 - q) * phase(mean_cosine(lobe), -wi.dot(wo))
+    let q = straight_probability(transmitted_share(&layer(lobe), wi.z));
+    (1.0 - q) * henyey_greenstein(mean_cosine(lobe), -wi.dot(wo))
 }
 
 /// Straight on where `u1` is below the probability of passing, or a direction of the phase function.
@@ -147,7 +147,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
         return BsdfSample::NONE;
     }
     let layer = layer(lobe);
-    let passed = passed(&layer, wi.z);
+    let passed = transmitted_share(&layer, wi.z);
     let q = straight_probability(passed);
     if u1 < q {
         return BsdfSample {
@@ -167,7 +167,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
         .to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos))
         .normalize();
     // The density of the direction as it was rounded, which `pdf` will see.
-    let density = phase(g, -wi.dot(wo));
+    let density = henyey_greenstein(g, -wi.dot(wo));
     let pdf = (1.0 - q) * density;
     if wo.z == 0.0 || !(pdf > 0.0) {
         return BsdfSample::NONE;
@@ -204,7 +204,7 @@ fn sample_cosine(g: f32, u: f32) -> f32 {
 #[inline]
 pub fn albedo(lobe: &Lobe, wi: Vec3) -> Rgb {
     let layer = layer(lobe);
-    let passed = passed(&layer, wi.z);
+    let passed = transmitted_share(&layer, wi.z);
     let albedo = layer.scattering / layer.depth.max(Vec3::splat(1e-20));
     passed + (Vec3::ONE - passed) * albedo.min(Vec3::ONE)
 }

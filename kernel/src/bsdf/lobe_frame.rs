@@ -56,11 +56,11 @@ pub(super) struct ModelDirection {
 impl ModelDirection {
     /// On the other side of the coats.
     #[inline]
-    fn pass_coats(&mut self, passage: coat::Passage) {
-        self.w = passage.w;
-        self.transmittance = passage.transmittance;
-        self.jacobian = passage.jacobian;
-        self.valid = self.valid && passage.valid;
+    fn transmit_through_coats(&mut self, transmission: coat::CoatTransmission) {
+        self.w = transmission.w;
+        self.transmittance = transmission.transmittance;
+        self.jacobian = transmission.jacobian;
+        self.valid = self.valid && transmission.valid;
     }
 }
 
@@ -126,7 +126,12 @@ pub(super) fn to_model(lobe: &Lobe, data: &[f32], flip: bool, w: Vec3) -> ModelD
     };
     let coats_first = lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME != 0;
     if lobe.has_coats() && coats_first {
-        direction.pass_coats(coat::enter(&lobe.coats, lobe.coat_count, data, direction.w));
+        direction.transmit_through_coats(coat::refract_in(
+            &lobe.coats,
+            lobe.coat_count,
+            data,
+            direction.w,
+        ));
         direction.cos_unperturbed = direction.w.z;
     }
     let unperturbed = direction.w;
@@ -135,7 +140,12 @@ pub(super) fn to_model(lobe: &Lobe, data: &[f32], flip: bool, w: Vec3) -> ModelD
     }
     direction.valid = direction.valid && same_side(unperturbed, direction.w);
     if lobe.has_coats() && !coats_first {
-        direction.pass_coats(coat::enter(&lobe.coats, lobe.coat_count, data, direction.w));
+        direction.transmit_through_coats(coat::refract_in(
+            &lobe.coats,
+            lobe.coat_count,
+            data,
+            direction.w,
+        ));
     }
     direction
 }
@@ -152,7 +162,12 @@ pub(super) fn from_model(lobe: &Lobe, data: &[f32], w: Vec3) -> ModelDirection {
     };
     let coats_last = lobe.flags & lobe_flag::COATS_OUTSIDE_FRAME != 0;
     if lobe.has_coats() && !coats_last {
-        direction.pass_coats(coat::leave(&lobe.coats, lobe.coat_count, data, direction.w));
+        direction.transmit_through_coats(coat::refract_out(
+            &lobe.coats,
+            lobe.coat_count,
+            data,
+            direction.w,
+        ));
     }
     if lobe.has_map() {
         let perturbed = direction.w;
@@ -161,7 +176,12 @@ pub(super) fn from_model(lobe: &Lobe, data: &[f32], w: Vec3) -> ModelDirection {
     }
     direction.cos_unperturbed = direction.w.z;
     if lobe.has_coats() && coats_last {
-        direction.pass_coats(coat::leave(&lobe.coats, lobe.coat_count, data, direction.w));
+        direction.transmit_through_coats(coat::refract_out(
+            &lobe.coats,
+            lobe.coat_count,
+            data,
+            direction.w,
+        ));
     }
     direction
 }

@@ -179,7 +179,7 @@ fn turned(
     theta: f32,
 ) -> (f32, f32) {
     let (s, c) = sin_cos(angle);
-    let (i, o) = (turn(wi, axis, s, c), turn(wo, axis, s, c));
+    let (i, o) = (rotate(wi, axis, s, c), rotate(wo, axis, s, c));
     let (sin_h, cos_h) = sin_cos(theta + angle);
     if i.z <= 0.0 || o.z <= 0.0 || cos_h <= 1e-4 {
         return (0.0, 0.0);
@@ -190,7 +190,7 @@ fn turned(
 
 /// `w` turned about a unit axis (Rodrigues' formula).
 #[inline]
-fn turn(w: Vec3, axis: Vec3, sin: f32, cos: f32) -> Vec3 {
+fn rotate(w: Vec3, axis: Vec3, sin: f32, cos: f32) -> Vec3 {
     w * cos + axis.cross(w) * sin + axis * (axis.dot(w) * (1.0 - cos))
 }
 

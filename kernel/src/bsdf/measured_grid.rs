@@ -238,7 +238,7 @@ impl Grid {
             self.along(data, slices, last, row),
             self.along(data, slices, last, row + 1),
         );
-        let t_y = segment_place(r0, r1, u.y - self.below(data, slices, row));
+        let t_y = invert_segment_area(r0, r1, u.y - self.below(data, slices, row));
         let target = u.x * float::lerp(r0, r1, t_y);
         let (mut low, mut high) = (0, self.width - 2);
         while low < high {
@@ -257,7 +257,7 @@ impl Grid {
         let words = self.density_words();
         let (left, right) = ends(data, slices, self.first, self.width, words, c);
         let before = self.along_between(data, slices, low, row, t_y);
-        let t_x = segment_place(left, right, target - before);
+        let t_x = invert_segment_area(left, right, target - before);
         Warped {
             u: Vec2::new(
                 (low as f32 + t_x) / (self.width - 1) as f32,
@@ -276,7 +276,7 @@ fn segment_area(a: f32, b: f32, t: f32) -> f32 {
 
 /// The inverse of [`segment_area`] in t.
 #[inline]
-fn segment_place(a: f32, b: f32, area: f32) -> f32 {
+fn invert_segment_area(a: f32, b: f32, area: f32) -> f32 {
     let root = float::safe_sqrt(a * a + 2.0 * area * (b - a));
     let sum = a + root;
     if sum > 0.0 {

@@ -185,7 +185,7 @@ pub(super) fn sample_facet_normal(lobe: &Lobe, wi: Vec3, u2: Vec2) -> Vec3 {
     if lobe.samples_all_normals() {
         facets.sample_normal(u2)
     } else {
-        facets.sample_visible_normal(rough_dielectric::above(wi), u2)
+        facets.sample_visible_normal(rough_dielectric::to_upper_hemisphere(wi), u2)
     }
 }
 

@@ -178,12 +178,12 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
     s.weight *= if all {
         abs(cos_i) / (facets.projected_area(wi) * m.z)
     } else {
-        facets.visible_normal_weight(above(wi), m)
+        facets.visible_normal_weight(to_upper_hemisphere(wi), m)
     };
     let side = s.wo.z * wi.z;
     let is_there = if is_reflected { side > 0.0 } else { side < 0.0 };
     if abs(lobe.eta.x - 1.0) <= INDEX_MATCHED && wi.z != 0.0 {
-        straight(lobe, wi)
+        straight_through(lobe, wi)
     } else if cos_i * wi.z > 0.0 && is_there && s.pdf > 0.0 {
         s
     } else {
@@ -193,7 +193,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, m: Vec3) -> BsdfSample {
 
 /// Straight on, where there is no boundary.
 #[inline]
-fn straight(lobe: &Lobe, wi: Vec3) -> BsdfSample {
+fn straight_through(lobe: &Lobe, wi: Vec3) -> BsdfSample {
     BsdfSample {
         wo: -wi,
         weight: lobe.specular_transmittance,
@@ -205,7 +205,7 @@ fn straight(lobe: &Lobe, wi: Vec3) -> BsdfSample {
 
 /// The direction or its opposite, whichever is above the surface: microfacets look alike from both sides.
 #[inline]
-pub(crate) fn above(w: Vec3) -> Vec3 {
+pub(crate) fn to_upper_hemisphere(w: Vec3) -> Vec3 {
     if w.z < 0.0 { -w } else { w }
 }
 
@@ -216,7 +216,8 @@ fn pdf_of_normal(lobe: &Lobe, wi: Vec3, m: Vec3) -> f32 {
     if lobe.samples_all_normals() {
         lobe.microfacets().normal_pdf(m)
     } else {
-        lobe.microfacets().visible_normal_pdf(above(wi), m)
+        lobe.microfacets()
+            .visible_normal_pdf(to_upper_hemisphere(wi), m)
     }
 }
 

@@ -28,7 +28,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if sigma2 <= 0.0 {
         return lobe.reflectance * FRAC_1_PI;
     }
-    let (sin_i, sin_o) = (across(wi), across(wo));
+    let (sin_i, sin_o) = (sin_theta(wi), sin_theta(wo));
     let cos_phi = if sin_i * sin_o > 0.0 {
         ((wi.x * wo.x + wi.y * wo.y) / (sin_i * sin_o))
             .max(-1.0)
@@ -87,6 +87,6 @@ pub fn sample(lobe: &Lobe, wi: Vec3, u1: f32, u2: Vec2) -> BsdfSample {
 
 /// Sine of the polar angle.
 #[inline]
-fn across(w: Vec3) -> f32 {
+fn sin_theta(w: Vec3) -> f32 {
     safe_sqrt(w.x * w.x + w.y * w.y)
 }

@@ -21,7 +21,7 @@ use glam::{Vec2, Vec3};
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
-    let transmitted = passed(lobe, data, wi.z) * passed(lobe, data, wo.z);
+    let transmitted = transmitted_share(lobe, data, wi.z) * transmitted_share(lobe, data, wo.z);
     let absorbed = plastic::absorption(lobe, wi.z) * plastic::absorption(lobe, wo.z);
     let value = plastic::base(lobe) * absorbed * transmitted + coat_reflection::eval(lobe, wi, wo);
     if wi.z <= 0.0 || wo.z <= 0.0 {
@@ -35,7 +35,7 @@ pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
-    let p = plastic::specular_probability(lobe, wi.z, 1.0 - passed(lobe, data, wi.z));
+    let p = plastic::specular_probability(lobe, wi.z, 1.0 - transmitted_share(lobe, data, wi.z));
     let density = (1.0 - p) * wo.z * FRAC_1_PI + p * coat_reflection::pdf(lobe, wi, wo);
     if wi.z <= 0.0 || wo.z <= 0.0 {
         0.0
@@ -56,7 +56,7 @@ pub fn sample(
     u2: Vec2,
     normal: impl FnOnce() -> Vec3,
 ) -> BsdfSample {
-    let p = plastic::specular_probability(lobe, wi.z, 1.0 - passed(lobe, data, wi.z));
+    let p = plastic::specular_probability(lobe, wi.z, 1.0 - transmitted_share(lobe, data, wi.z));
     let s = if u1 < p {
         BsdfSample::towards(reflect(wi, normal()), event::REFLECTION | event::GLOSSY)
     } else {
@@ -69,7 +69,7 @@ pub fn sample(
 
 /// Share of the light from cosine `cos` that passes the coating.
 #[inline]
-pub(crate) fn passed(lobe: &Lobe, data: &[f32], cos: f32) -> f32 {
+pub(crate) fn transmitted_share(lobe: &Lobe, data: &[f32], cos: f32) -> f32 {
     rough_transmittance::transmittance(
         data,
         lobe.table,

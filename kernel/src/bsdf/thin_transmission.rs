@@ -18,7 +18,7 @@ use glam::Vec3;
 
 /// A direction, mirrored to the upper side.
 #[inline]
-pub(super) fn upwards(w: Vec3) -> Vec3 {
+pub(super) fn to_upper_hemisphere(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, float::abs(w.z))
 }
 
@@ -28,7 +28,7 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if wi.z * wo.z >= 0.0 {
         return Vec3::ZERO;
     }
-    eval_reflected(lobe, upwards(wi), upwards(wo))
+    eval_reflected(lobe, to_upper_hemisphere(wi), to_upper_hemisphere(wo))
 }
 
 /// The BSDF of two directions that were mirrored to the upper side.
@@ -51,7 +51,7 @@ pub fn pdf(lobe: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if wi.z * wo.z >= 0.0 {
         return 0.0;
     }
-    pdf_reflected(lobe, upwards(wi), upwards(wo))
+    pdf_reflected(lobe, to_upper_hemisphere(wi), to_upper_hemisphere(wo))
 }
 
 /// The density of two directions that were mirrored to the upper side.
@@ -75,7 +75,7 @@ pub fn sample(lobe: &Lobe, wi: Vec3, m: Vec3) -> BsdfSample {
     } else {
         m
     };
-    let above = upwards(wi);
+    let above = to_upper_hemisphere(wi);
     let wo = reflect(above, m);
     if wi.z == 0.0 || wo.z <= 0.0 {
         return BsdfSample::NONE;

@@ -107,7 +107,7 @@ impl Edge {
 
     /// P_w(x) / length.
     #[inline]
-    fn turn(&self, x: Vec3) -> Vec3 {
+    fn projected_per_length(&self, x: Vec3) -> Vec3 {
         (x - self.w * self.w.dot(x)) * self.inverse_length
     }
 }
@@ -236,19 +236,20 @@ pub fn inner_constraint(
         }
     };
     let turning: FrameDerivatives = x.frame_derivatives(&frame);
-    let own = |tangent: Vec3| -(i.turn(tangent) + o.turn(tangent) * eta);
+    let own =
+        |tangent: Vec3| -(i.projected_per_length(tangent) + o.projected_per_length(tangent) * eta);
     Constraint {
         a: Mat2::from_cols(
-            chart.column(i.turn(previous.tangent_u)),
-            chart.column(i.turn(previous.tangent_v)),
+            chart.column(i.projected_per_length(previous.tangent_u)),
+            chart.column(i.projected_per_length(previous.tangent_v)),
         ),
         b: Mat2::from_cols(
             chart.own_column(own(x.tangent_u), turning.s_u, turning.t_u, n_x.0),
             chart.own_column(own(x.tangent_v), turning.s_v, turning.t_v, n_x.1),
         ),
         c: Mat2::from_cols(
-            chart.column(o.turn(next.tangent_u) * eta),
-            chart.column(o.turn(next.tangent_v) * eta),
+            chart.column(o.projected_per_length(next.tangent_u) * eta),
+            chart.column(o.projected_per_length(next.tangent_v) * eta),
         ),
         h: Vec2::new(frame.s.dot(chart.h), frame.t.dot(chart.h)),
         valid: true,
@@ -270,12 +271,12 @@ pub fn end_constraint(x: &ChainVertex, neighbour: &ChainVertex, is_last: bool) -
     let (s, t) = (x.tangent_u, x.tangent_v);
     let column = |d: Vec3| Vec2::new(s.dot(d), t.dot(d));
     let own = Mat2::from_cols(
-        -column(edge.turn(x.tangent_u)),
-        -column(edge.turn(x.tangent_v)),
+        -column(edge.projected_per_length(x.tangent_u)),
+        -column(edge.projected_per_length(x.tangent_v)),
     );
     let other = Mat2::from_cols(
-        column(edge.turn(neighbour.tangent_u)),
-        column(edge.turn(neighbour.tangent_v)),
+        column(edge.projected_per_length(neighbour.tangent_u)),
+        column(edge.projected_per_length(neighbour.tangent_v)),
     );
     Constraint {
         a: if is_last { other } else { Mat2::ZERO },

@@ -44,13 +44,13 @@ pub fn exponent_of_deviation(deviation: f32) -> f32 {
 
 /// `v` turned by the angle of the unit vector `r`.
 #[inline]
-pub fn turn(r: Vec2, v: Vec2) -> Vec2 {
+pub fn rotate(r: Vec2, v: Vec2) -> Vec2 {
     Vec2::new(r.x * v.x - r.y * v.y, r.y * v.x + r.x * v.y)
 }
 
 /// `v` turned back.
 #[inline]
-pub fn turn_back(r: Vec2, v: Vec2) -> Vec2 {
+pub fn rotate_back(r: Vec2, v: Vec2) -> Vec2 {
     Vec2::new(r.x * v.x + r.y * v.y, r.x * v.y - r.y * v.x)
 }
 
@@ -67,7 +67,7 @@ impl DiskLobe {
         // 1 - cos_theta, which the power itself rounds to multiples of 6e-8; 1 - u keeps it away from zero.
         let height = -exp_m1(ln_1p(-u.y) / (k + 1.0));
         let z = d * safe_sqrt(height * (2.0 - height));
-        moebius(self.center, turn(self.axis, z))
+        moebius(self.center, rotate(self.axis, z))
     }
 
     /// Density of [`DiskLobe::sample`] per area of the disk; zero outside. At the rim, where lobes with an exponent below
@@ -79,7 +79,7 @@ impl DiskLobe {
             return 0.0;
         }
         let center = clamp_pivot(self.center);
-        let z = turn_back(self.axis, moebius(center, w));
+        let z = rotate_back(self.axis, moebius(center, w));
         let z2 = z.length_squared();
         let k = self.exponent.max(Vec2::ZERO);
         let along = if z2 > 0.0 {

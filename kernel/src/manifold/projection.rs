@@ -29,7 +29,7 @@ pub struct Projection<const N: usize> {
 
 /// A vertex that a ray has found.
 #[derive(Clone, Copy, Debug)]
-pub struct Landing {
+pub struct TracedVertex {
     /// The vertex; the old one when `valid` is false.
     pub vertex: ChainVertex,
     /// Whether the ray hit the material of the old vertex.
@@ -53,9 +53,9 @@ pub fn ray_towards(from: &ChainVertex, to: Vec3) -> Ray {
 
 /// Traces a ray to the successor of `old`.
 #[inline]
-pub fn land<T: Traverse>(view: &SceneView<'_, T>, ray: &Ray, old: &ChainVertex) -> Landing {
+pub fn land<T: Traverse>(view: &SceneView<'_, T>, ray: &Ray, old: &ChainVertex) -> TracedVertex {
     if !is_traceable(ray) {
-        return Landing {
+        return TracedVertex {
             vertex: *old,
             valid: false,
         };
@@ -63,7 +63,7 @@ pub fn land<T: Traverse>(view: &SceneView<'_, T>, ray: &Ray, old: &ChainVertex) 
     let hit = view.traverse.closest_hit(ray);
     let found = checked_surface_at(&view.tables, ray, &hit);
     if !found.valid {
-        return Landing {
+        return TracedVertex {
             vertex: *old,
             valid: false,
         };
@@ -73,7 +73,7 @@ pub fn land<T: Traverse>(view: &SceneView<'_, T>, ray: &Ray, old: &ChainVertex) 
     vertex.kind = old.kind;
     vertex.eta = old.eta;
     vertex.alpha = old.alpha;
-    Landing {
+    TracedVertex {
         vertex,
         valid: point.material == old.material,
     }

@@ -9,7 +9,7 @@
 //! is that of the others (a perfectly specular vertex has two such axes, and density one by convention). Checked: integrates
 //! to one, chi-square of samples.
 
-use super::disk_lobe::{turn, turn_back};
+use super::disk_lobe::{rotate, rotate_back};
 use crate::math::float::{exp, ln_1p, safe_sqrt, sin_cos_2pi};
 use glam::Vec2;
 
@@ -34,7 +34,7 @@ impl SlopeGaussian {
         let r = safe_sqrt(-2.0 * ln_1p(-u.x.min(0.999_999_94)));
         let (s, c) = sin_cos_2pi(u.y);
         self.center
-            + turn(
+            + rotate(
                 self.axis,
                 Vec2::new(
                     r * c * deviation(self.deviation.x),
@@ -46,7 +46,7 @@ impl SlopeGaussian {
     /// Density per area of the slope plane, along the axes that move.
     #[inline]
     pub fn pdf_slope(&self, h: Vec2) -> f32 {
-        let d = turn_back(self.axis, h - self.center);
+        let d = rotate_back(self.axis, h - self.center);
         let p = normal(d.x, self.deviation.x) * normal(d.y, self.deviation.y);
         if p <= f32::MAX { p } else { 0.0 }
     }

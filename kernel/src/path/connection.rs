@@ -118,7 +118,7 @@ impl Connector<'_> {
     }
 
     /// Light that a camera walk has met with its ray from the end of `depth` edges, as a contribution, and the emitter.
-    pub fn met(
+    pub fn emitter_hit(
         &self,
         found: Rgb,
         depth: u32,
@@ -148,7 +148,7 @@ impl Connector<'_> {
         u: Vec2,
     ) -> Contribution {
         let (light, point) = sample_direct_with_point(self.tables, at.point.position, u_select, u);
-        self.lit(walk, at, &light, &point)
+        self.next_event_with(walk, at, &light, &point)
     }
 
     /// A connection to the emitter point at which a light walk started (s = 1, without a sample drawn for this surface).
@@ -159,7 +159,7 @@ impl Connector<'_> {
         start: &EmissionSample,
     ) -> Contribution {
         let light = self.start_sample(at.point.position, start);
-        self.lit(walk, at, &light, &start.point)
+        self.next_event_with(walk, at, &light, &start.point)
     }
 
     /// The emitter point at which a light walk started as a sample for a surface at `position`.
@@ -201,7 +201,7 @@ impl Connector<'_> {
     }
 
     /// Next event estimation with a sample `light` of an emitter, a point of which is `light_point`.
-    pub fn lit(
+    pub fn next_event_with(
         &self,
         walk: &Walk,
         at: &Interaction<'_>,

@@ -81,7 +81,7 @@ pub struct Interaction<'a> {
 
 /// How a walk leaves a vertex: the direction, and what edits do to the sample that it was made of.
 #[derive(Clone, Copy, Debug)]
-pub struct Departure {
+pub struct OutgoingSample {
     /// Unit direction.
     pub direction: Vec3,
     /// Factor on the density of the sample.
@@ -94,11 +94,11 @@ pub struct Departure {
     pub label: u32,
 }
 
-impl Departure {
+impl OutgoingSample {
     /// Where nothing is edited.
     #[inline]
-    pub fn straight(direction: Vec3) -> Departure {
-        Departure {
+    pub fn unedited(direction: Vec3) -> OutgoingSample {
+        OutgoingSample {
             direction,
             pdf: 1.0,
             pdf_reverse: 1.0,
@@ -128,7 +128,7 @@ impl<'a> Interaction<'a> {
     #[cfg(not(target_arch = "spirv"))]
     #[inline]
     pub fn retargeted(mut self, retargeted: &'a Retargeted<'a>) -> Interaction<'a> {
-        self.wi = self.point.frame.to_local(retargeted.arrival.back);
+        self.wi = self.point.frame.to_local(retargeted.incoming.back);
         self.retargeted = Some(retargeted);
         self
     }
@@ -148,29 +148,29 @@ impl<'a> Interaction<'a> {
     /// How a walk leaves along a sample whose unit world direction is `direction`; the sampler is asked for a number where edits
     /// turn a part of what is scattered.
     #[inline]
-    pub fn depart<S: Sampler>(
+    pub fn outgoing<S: Sampler>(
         &self,
         tables: &Tables<'_>,
         sample: &BsdfSample,
         direction: Vec3,
         sampler: &mut S,
-    ) -> Departure {
+    ) -> OutgoingSample {
         #[cfg(not(target_arch = "spirv"))]
         if let Some(own) = self.retargeted {
             let (wi, wo) = (self.wi, sample.wo);
             let scattered = Scattered::sampled(self.bsdf, tables.data, wi, wo, sample.event);
-            let turned = own.turn(self.point, &scattered, direction, || sampler.next_1d());
-            return Departure {
+            let turned = own.redirect(self.point, &scattered, direction, || sampler.next_1d());
+            return OutgoingSample {
                 direction: turned.direction,
                 pdf: turned.pdf,
-                pdf_reverse: own.arrival.jacobian,
+                pdf_reverse: own.incoming.jacobian,
                 value: turned.value,
                 label: turned.label,
             };
         }
         #[cfg(target_arch = "spirv")]
         let _ = (tables, sample, sampler);
-        Departure::straight(direction)
+        OutgoingSample::unedited(direction)
     }
 
     /// The same with the BSDF below `tau` where it is evaluated for connections; nothing else changes for a BSDF that has no
@@ -261,7 +261,7 @@ impl<'a> Interaction<'a> {
         Evaluation {
             value: both.value * ratio * own.value(self.point, &origin, direction),
             pdf: both.pdf * origin.jacobian,
-            pdf_reverse: both.pdf_reverse * own.arrival.jacobian,
+            pdf_reverse: both.pdf_reverse * own.incoming.jacobian,
         }
     }
 

@@ -136,7 +136,7 @@ pub struct PathExpressions<'a> {
 impl PathExpressions<'_> {
     /// Where the letters of a surface point begin, one for each kind of [`scattering`].
     #[inline]
-    pub fn place(&self, point: &SurfacePoint) -> u32 {
+    pub fn first_letter(&self, point: &SurfacePoint) -> u32 {
         let mut inside = 0;
         for i in 0..self.regions.len() {
             if self.regions[i].contains(point.position) {
@@ -148,7 +148,7 @@ impl PathExpressions<'_> {
         ((object << self.regions.len() as u32) + inside) * scattering::COUNT
     }
 
-    /// The letter of scattering of a kind at a [`PathExpressions::place`].
+    /// The letter of scattering of a kind at a [`PathExpressions::first_letter`].
     #[inline]
     pub fn letter(&self, place: u32, kind: u32) -> u32 {
         self.letters[(place + kind) as usize]

@@ -113,7 +113,7 @@ impl Connector<'_> {
     }
 
     /// A light walk whose ray, which hits the next surface at `t_max`, passes the aperture of the lens (t = 0).
-    pub fn lens_met(&self, walk: &Walk, t_max: f32) -> Contribution {
+    pub fn lens_hit(&self, walk: &Walk, t_max: f32) -> Contribution {
         let tables = self.tables;
         let lens_pdf = self.strategies.pdf_lens(tables, &self.rules);
         if !(lens_pdf > 0.0) || !self.strategies.shows(walk.subpath.depth + 2, 0) {

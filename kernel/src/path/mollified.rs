@@ -127,7 +127,7 @@ impl Connector<'_> {
 
     /// Next event estimation with the discrete events of the camera walk's vertex blurred (s = 1), for a sampled point or
     /// direction `light` that no ray meets.
-    pub fn mollified_lit(
+    pub fn mollified_next_event(
         &self,
         walk: &Walk,
         at: &Interaction<'_>,

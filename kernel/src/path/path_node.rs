@@ -26,7 +26,7 @@ use glam::Vec3;
 
 /// What a subpath has behind it where it arrives.
 #[derive(Clone, Copy, Debug)]
-pub struct Behind {
+pub struct SubpathSummary {
     /// Quality of the edges before the last.
     pub quality: SamplerQuality,
     /// Bound at the start of the last edge: of the BSDF there, of the light's emission, or of the sensor's response.
@@ -47,7 +47,7 @@ pub struct PathNode {
     /// Geometric normal.
     pub normal: Vec3,
     /// Before it.
-    pub behind: Behind,
+    pub summary: SubpathSummary,
     /// Whether its material may be regularised.
     pub is_raised: bool,
     /// Bounds of its BSDF for reflection and for transmission.
@@ -65,14 +65,14 @@ pub struct PathNode {
     /// Density of the first vertex per area perpendicular to the ray, of a camera subpath.
     pub first: f32,
     /// Whether a walk has left it.
-    pub is_left: bool,
+    pub has_scattered: bool,
     /// How.
-    pub left: Departed,
+    pub scattering: ScatteringRecord,
 }
 
 /// How a walk has left a vertex.
 #[derive(Clone, Copy, Debug)]
-pub struct Departed {
+pub struct ScatteringRecord {
     /// Unit direction.
     pub direction: Vec3,
     /// Densities of the model, and of a camera subpath those of regularisation: to the light, and to the sensor.
@@ -85,9 +85,9 @@ pub struct Departed {
     pub is_one_way: bool,
 }
 
-impl Departed {
+impl ScatteringRecord {
     /// Not at all.
-    const NOT: Departed = Departed {
+    const NONE: ScatteringRecord = ScatteringRecord {
         direction: Vec3::Z,
         pdf: [1.0; 2],
         bound: 0.0,
@@ -114,7 +114,7 @@ impl PathNode {
         let mut node = PathNode {
             vertex,
             normal: at.point.geometric_normal,
-            behind: Behind {
+            summary: SubpathSummary {
                 quality: SamplerQuality::EMPTY,
                 bound: sensor_bound,
                 edge,
@@ -129,26 +129,26 @@ impl PathNode {
             is_infinite: false,
             tau: TAU_MAX,
             first: 0.0,
-            is_left: false,
-            left: Departed::NOT,
+            has_scattered: false,
+            scattering: ScatteringRecord::NONE,
         };
         if let Some(last) = last {
             node.start = last.start;
             node.emission_bound = last.emission_bound;
             node.is_infinite = last.is_infinite;
             node.first = last.first;
-            let before = &last.behind;
-            node.behind.first_bound = if before.first_bound > 0.0 {
+            let before = &last.summary;
+            node.summary.first_bound = if before.first_bound > 0.0 {
                 before.first_bound
             } else {
-                last.left.bound
+                last.scattering.bound
             };
-            node.behind.bound = last.left.bound;
-            node.behind.quality = before.quality;
-            node.behind
+            node.summary.bound = last.scattering.bound;
+            node.summary.quality = before.quality;
+            node.summary
                 .quality
-                .add(before.bound, last.left.bound, before.edge);
-            node.behind.any_raised = before.any_raised || last.is_raised;
+                .add(before.bound, last.scattering.bound, before.edge);
+            node.summary.any_raised = before.any_raised || last.is_raised;
         } else if walk.mode == mode::IMPORTANCE {
             let point = walk.start_point(tables);
             node.start_at(
@@ -159,7 +159,7 @@ impl PathNode {
                 walk.subpath.ray.direction,
             );
         }
-        node.behind.any_raised |= node.is_raised;
+        node.summary.any_raised |= node.is_raised;
         node
     }
 
@@ -176,11 +176,11 @@ impl PathNode {
         self.start = light_start(tables, strategies, emitter, point, position, direction);
         self.emission_bound = emission_bound(tables, emitter);
         self.is_infinite = is_infinite(tables.emitters[emitter as usize].kind);
-        self.behind.bound = self.emission_bound;
+        self.summary.bound = self.emission_bound;
     }
 
     /// The walk has scattered here and is on its next ray.
-    pub fn leave(
+    pub fn record_scattering(
         &mut self,
         tables: &Tables<'_>,
         own: &Regularization,
@@ -191,8 +191,8 @@ impl PathNode {
         let wo = at.point.frame.to_local(direction);
         let is_light_walk = walk.mode == mode::IMPORTANCE;
         let is_discrete = walk.event & event::DELTA != 0;
-        self.is_left = true;
-        self.left = Departed {
+        self.has_scattered = true;
+        self.scattering = ScatteringRecord {
             direction,
             pdf: [1.0; 2],
             bound: self.bound_towards(at, direction),
@@ -204,12 +204,12 @@ impl PathNode {
         if is_regularized || !is_discrete {
             let own = if is_regularized { hat } else { *at };
             let both = own.eval_cosine_pdf_both(tables, wo, is_light_walk);
-            self.left.pdf = if is_light_walk {
+            self.scattering.pdf = if is_light_walk {
                 [both.pdf_reverse, both.pdf]
             } else {
                 [both.pdf, both.pdf_reverse]
             };
-            self.left.is_discrete = is_discrete && !is_regularized;
+            self.scattering.is_discrete = is_discrete && !is_regularized;
         }
     }
 
@@ -220,21 +220,21 @@ impl PathNode {
     }
 
     /// As a vertex of a path which the light subpath has passed, below `tau`; `site` is room for its surface.
-    pub fn passed_below(
+    pub fn inner_vertex_below(
         &self,
         tables: &Tables<'_>,
         own: &Regularization,
         tau: f32,
         site: &mut ShadingPoint,
     ) -> InnerVertex {
-        let mut vertex = self.passed();
+        let mut vertex = self.inner_vertex();
         if !self.is_raised || !(tau < TAU_MAX) {
             return vertex;
         }
         let direction = self.vertex.look_up(tables, site);
         let at = site.interaction(direction).regularized(tau, own.flags);
         if at.is_regularized() {
-            let wo = at.point.frame.to_local(self.left.direction);
+            let wo = at.point.frame.to_local(self.scattering.direction);
             let both = at.eval_cosine_pdf_both(tables, wo, true);
             [vertex.pdf_to_light, vertex.pdf_to_sensor] = [both.pdf_reverse, both.pdf];
             vertex.is_connectable = true;
@@ -243,14 +243,14 @@ impl PathNode {
     }
 
     /// As a vertex of a path which its walk has passed, by the densities that it keeps.
-    pub fn passed(&self) -> InnerVertex {
+    pub fn inner_vertex(&self) -> InnerVertex {
         InnerVertex {
             position: Vec3::from_array(self.vertex.position),
             normal: self.normal,
-            pdf_to_light: self.left.pdf[0],
-            pdf_to_sensor: self.left.pdf[1],
-            is_connectable: !self.left.is_discrete,
-            is_one_way: self.left.is_one_way,
+            pdf_to_light: self.scattering.pdf[0],
+            pdf_to_sensor: self.scattering.pdf[1],
+            is_connectable: !self.scattering.is_discrete,
+            is_one_way: self.scattering.is_one_way,
         }
     }
 
@@ -268,16 +268,16 @@ impl PathNode {
 
     /// Quality of all edges up to this vertex, whose BSDF is bounded by `bound` for the rest of the path.
     pub fn quality(&self, bound: f32) -> SamplerQuality {
-        let behind = &self.behind;
-        let mut quality = behind.quality;
-        quality.add(behind.bound, bound, behind.edge);
+        let summary = &self.summary;
+        let mut quality = summary.quality;
+        quality.add(summary.bound, bound, summary.edge);
         quality
     }
 
     /// Quality of the connection of a light at infinity, which is that of a path from it: of an infinite path all but the first
     /// edge has no length. `bound` is that of this vertex.
     pub fn quality_from_infinity(&self, bound: f32) -> f32 {
-        let first = self.behind.first_bound;
+        let first = self.summary.first_bound;
         quality_at_infinity(if first > 0.0 { first } else { bound }, self.emission_bound)
     }
 }

@@ -116,7 +116,7 @@ impl PathStates {
         if self.count == 0 {
             return next;
         }
-        let place = expressions.place(point);
+        let place = expressions.first_letter(point);
         let side = u32::from(scattered.is_transmitted);
         for i in 0..self.count as usize {
             let (state, weight) = self.entries[i];
@@ -149,7 +149,7 @@ impl PathStates {
             return;
         }
         if kind == NONE {
-            let place = expressions.place(point);
+            let place = expressions.first_letter(point);
             let side = scattered.is_transmitted as u32;
             let (state, weight) = self.entries[0];
             let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
@@ -162,7 +162,7 @@ impl PathStates {
             );
             return;
         }
-        let letter = expressions.letter(expressions.place(point), kind);
+        let letter = expressions.letter(expressions.first_letter(point), kind);
         let state = automaton.after(self.entries[0].0, letter);
         self.entries[0].0 = state;
         self.count = (state != DEAD) as u32;
@@ -171,24 +171,24 @@ impl PathStates {
     /// What expressions match a walk from the sensor which is in one state, scatters, and then ends at an emitter; nothing if
     /// there is more to it.
     #[inline]
-    pub fn lit_by(
+    pub fn matched_at_emitter(
         &self,
         expressions: &PathExpressions<'_>,
         point: &SurfacePoint,
         scattered: &Scattered,
         emitter: u32,
-    ) -> LitBy {
+    ) -> EmitterMatches {
         if self.count != 1 || emitter == NONE {
-            return LitBy::NONE;
+            return EmitterMatches::NONE;
         }
         let automaton = &expressions.from_sensor;
         let (state, weight) = self.entries[0];
-        let place = expressions.place(point);
+        let place = expressions.first_letter(point);
         let last = expressions.emitters[emitter as usize];
         let kind = scattered.kind();
         if kind != NONE {
             let next = automaton.after(state, expressions.letter(place, kind));
-            return LitBy {
+            return EmitterMatches {
                 is_known: true,
                 bits: automaton.matched_with(next, last),
                 weight,
@@ -199,7 +199,7 @@ impl PathStates {
         let side = scattered.is_transmitted as u32;
         let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
         let glossy = expressions.letter(place, scattering::GLOSSY_REFLECTION + side);
-        LitBy {
+        EmitterMatches {
             is_known: true,
             bits: automaton.matched_with(automaton.after(state, diffuse), last),
             weight: weight * scattered.diffuse,
@@ -276,7 +276,7 @@ impl PathStates {
 /// The expressions that a walk with one state matches where it is lit: those of what is diffuse, or of all there is, and those of
 /// what is glossy beside.
 #[derive(Clone, Copy, Debug)]
-pub struct LitBy {
+pub struct EmitterMatches {
     /// Whether the rest says it.
     pub is_known: bool,
     /// Bits of the expressions.
@@ -289,9 +289,9 @@ pub struct LitBy {
     pub glossy_weight: Rgb,
 }
 
-impl LitBy {
+impl EmitterMatches {
     /// It is not known.
-    pub const NONE: LitBy = LitBy {
+    pub const NONE: EmitterMatches = EmitterMatches {
         is_known: false,
         bits: 0,
         weight: Vec3::ZERO,

@@ -51,7 +51,7 @@ impl Remainder {
     /// The share of a path of luminance I that is left to chains, for the densities p_0 and p_1 with which path tracing finds it by
     /// hitting the light and by sampling it; zero for what it cannot find.
     #[inline]
-    pub fn left(&self, luminance: f32, pdf: [f32; 2], edges: u32) -> f32 {
+    pub fn chain_share(&self, luminance: f32, pdf: [f32; 2], edges: u32) -> f32 {
         if edges > MOST_EDGES || !(pdf[0] + pdf[1] > 0.0) {
             return 1.0;
         }

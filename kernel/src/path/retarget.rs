@@ -91,12 +91,12 @@ pub struct Edit {
     pub keeps_energy: u32,
 }
 
-/// A direction after a turn, and how much it opens solid angles.
+/// A direction that an edit has redirected, and the Jacobian of that map of directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct Redirection {
     /// Unit direction.
     pub direction: Vec3,
-    /// Solid angle after the turn over that before.
+    /// Solid angle of the redirected directions over that of the original ones.
     pub jacobian: f32,
 }
 
@@ -146,9 +146,9 @@ impl Edit {
     }
 
     /// R^-1: where what leaves `x` along the unit direction `w` goes; none if it does not meet the source.
-    pub fn turn(&self, x: Vec3, w: Vec3) -> Option<Turn> {
+    pub fn redirect(&self, x: Vec3, w: Vec3) -> Option<Redirection> {
         if self.source == source::EVERYWHERE {
-            return linear_turn(&self.map, w);
+            return redirect_linearly(&self.map, w);
         }
         let plane = self.plane(x)?;
         let t = distance(&plane, x, w)?;
@@ -166,9 +166,9 @@ impl Edit {
     }
 
     /// R: where what leaves `x` along the unit direction `o` would have gone; none if it does not meet the target.
-    pub fn origin(&self, x: Vec3, o: Vec3) -> Option<Turn> {
+    pub fn origin(&self, x: Vec3, o: Vec3) -> Option<Redirection> {
         if self.source == source::EVERYWHERE {
-            return linear_turn(&self.inverse, o);
+            return redirect_linearly(&self.inverse, o);
         }
         let plane = self.plane(x)?;
         let (image, growth) = self.target(&plane);
@@ -185,16 +185,16 @@ impl Edit {
         some(direction, was / (growth * seen))
     }
 
-    /// [`Edit::turn`] at a surface point, to the same side.
-    pub fn turn_at(&self, point: &SurfacePoint, w: Vec3) -> Option<Turn> {
-        let turn = self.turn(point.position, w)?;
-        keeps_side(point, w, turn.direction).then_some(turn)
+    /// [`Edit::redirect`] at a surface point, to the same side.
+    pub fn redirect_at(&self, point: &SurfacePoint, w: Vec3) -> Option<Redirection> {
+        let redirected = self.redirect(point.position, w)?;
+        keeps_side(point, w, redirected.direction).then_some(redirected)
     }
 
     /// [`Edit::origin`] at a surface point, from the same side.
-    pub fn origin_at(&self, point: &SurfacePoint, o: Vec3) -> Option<Turn> {
-        let turn = self.origin(point.position, o)?;
-        keeps_side(point, o, turn.direction).then_some(turn)
+    pub fn origin_at(&self, point: &SurfacePoint, o: Vec3) -> Option<Redirection> {
+        let redirected = self.origin(point.position, o)?;
+        keeps_side(point, o, redirected.direction).then_some(redirected)
     }
 
     /// What the turned BSDF times the cosine towards the light is over that of the direction w, for `jacobian` = |dw/do|.
@@ -218,7 +218,7 @@ fn distance(plane: &Plane, x: Vec3, direction: Vec3) -> Option<f32> {
 }
 
 /// The linear part of a map as a turn of all directions.
-fn linear_turn(map: &[f32; 12], w: Vec3) -> Option<Turn> {
+fn redirect_linearly(map: &[f32; 12], w: Vec3) -> Option<Redirection> {
     let v = transform_vector(map, w);
     let length = v.length();
     some(
@@ -227,9 +227,9 @@ fn linear_turn(map: &[f32; 12], w: Vec3) -> Option<Turn> {
     )
 }
 
-fn some(direction: Vec3, jacobian: f32) -> Option<Turn> {
+fn some(direction: Vec3, jacobian: f32) -> Option<Redirection> {
     let is_sound = direction.is_finite() && jacobian > 0.0 && jacobian.is_finite();
-    is_sound.then_some(Turn {
+    is_sound.then_some(Redirection {
         direction,
         jacobian,
     })

@@ -99,8 +99,8 @@ pub fn label(bits: u32) -> u32 {
 
 /// A vertex as the automata of edits read it.
 #[derive(Clone, Copy, Debug)]
-pub struct Reading {
-    /// [`PathExpressions::place`].
+pub struct VertexReading {
+    /// [`PathExpressions::first_letter`].
     pub place: u32,
     /// What happens there.
     pub scattered: Scattered,
@@ -237,7 +237,7 @@ impl EditStates {
 
     /// Those behind a vertex.
     #[must_use]
-    pub fn after(&self, edits: &Edits<'_>, reading: &Reading) -> EditStates {
+    pub fn after(&self, edits: &Edits<'_>, reading: &VertexReading) -> EditStates {
         let mut next = EditStates::none(self.flow);
         let own = edits.automaton(self.flow);
         let kinds = kinds(&reading.scattered);

@@ -9,17 +9,17 @@
 //! Hosts only, as edits are.
 
 use super::expression::scattering;
-use super::retarget::{Edit, MAX_EDITS, Turn, flow};
-use super::retarget_states::{Choice, EditStates, Edits, Reading, label};
+use super::retarget::{Edit, MAX_EDITS, Redirection, flow};
+use super::retarget_states::{Choice, EditStates, Edits, VertexReading, label};
 use super::scattered::Scattered;
 use crate::bsdf::{Bsdf, diffuse_share, event, lobe};
 use crate::math::Rgb;
 use crate::scene::{SurfacePoint, lobe_kind};
 use glam::Vec3;
 
-/// How a walk came to a vertex.
+/// The direction from which a walk came to a vertex, as edits of the other flow may have redirected it.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub struct IncomingDirection {
     /// About the edits of the other flow.
     pub choice: Choice,
     /// World direction back along the walk, as the BSDF knows it.
@@ -30,10 +30,10 @@ pub struct Arrival {
     pub factor: Rgb,
 }
 
-impl Arrival {
+impl IncomingDirection {
     /// Along a direction that nothing has turned.
-    pub fn straight(back: Vec3) -> Arrival {
-        Arrival {
+    pub fn unedited(back: Vec3) -> IncomingDirection {
+        IncomingDirection {
             choice: Choice::FREE,
             back,
             jacobian: 1.0,
@@ -50,13 +50,13 @@ impl Arrival {
         bsdf: &Bsdf,
         back: Vec3,
         draw: impl FnOnce() -> f32,
-    ) -> Arrival {
+    ) -> IncomingDirection {
         let other = 1 - states.flow();
-        let (place, may) = (edits.words.place(point), scattering_kinds(bsdf));
-        let mut found = [Arrival::straight(back); MAX_EDITS + 1];
+        let (place, may) = (edits.words.first_letter(point), scattering_kinds(bsdf));
+        let mut found = [IncomingDirection::unedited(back); MAX_EDITS + 1];
         let mut count = 0;
         for label in 0..=edits.list.len().min(MAX_EDITS) as u32 {
-            let mut arrival = Arrival::straight(back);
+            let mut incoming = IncomingDirection::unedited(back);
             if label > 0 {
                 let edit = &edits.list[label as usize - 1];
                 if edit.flow != other {
@@ -65,29 +65,29 @@ impl Arrival {
                 let Some(origin) = edit.origin_at(point, back) else {
                     continue;
                 };
-                arrival.back = origin.direction;
-                arrival.jacobian = origin.jacobian;
-                arrival.factor = edit.value(point, origin.direction, back, origin.jacobian);
+                incoming.back = origin.direction;
+                incoming.jacobian = origin.jacobian;
+                incoming.factor = edit.value(point, origin.direction, back, origin.jacobian);
             }
-            arrival.choice = choice(edits, other, point, arrival.back, label);
-            if states.may_choose(edits, place, may, arrival.choice) {
-                found[count] = arrival;
+            incoming.choice = choice(edits, other, point, incoming.back, label);
+            if states.may_choose(edits, place, may, incoming.choice) {
+                found[count] = incoming;
                 count += 1;
             }
         }
         if count == 0 {
-            return Arrival {
+            return IncomingDirection {
                 factor: Vec3::ZERO,
-                ..Arrival::straight(back)
+                ..IncomingDirection::unedited(back)
             };
         }
         if count == 1 {
             return found[0];
         }
         let chosen = ((draw() * count as f32) as usize).min(count - 1);
-        let mut arrival = found[chosen];
-        arrival.factor *= count as f32;
-        arrival
+        let mut incoming = found[chosen];
+        incoming.factor *= count as f32;
+        incoming
     }
 }
 
@@ -97,7 +97,7 @@ fn choice(edits: &Edits<'_>, flow: u32, point: &SurfacePoint, before: Vec3, labe
     for (i, edit) in edits.list.iter().enumerate() {
         // Of the edit that has applied rounding might say otherwise.
         let is_own = label == i as u32 + 1;
-        if edit.flow == flow && (is_own || edit.turn_at(point, before).is_some()) {
+        if edit.flow == flow && (is_own || edit.redirect_at(point, before).is_some()) {
             within |= 1 << i;
         }
     }
@@ -147,16 +147,16 @@ pub struct Retargeted<'a> {
     /// Of the walk before this vertex.
     pub states: &'a EditStates,
     /// How it came.
-    pub arrival: Arrival,
+    pub incoming: IncomingDirection,
     /// One more than the number of the edit by which the direction is turned in which the vertex is evaluated; zero for none.
     pub label: u32,
     /// Whether no edit turns it, whatever is selected.
     pub is_free: bool,
 }
 
-/// A sampled direction after its turn.
+/// A sampled direction as an edit redirects it.
 #[derive(Clone, Copy, Debug)]
-pub struct Turned {
+pub struct RedirectedSample {
     /// Unit direction.
     pub direction: Vec3,
     /// Factor on the density of the sample.
@@ -167,10 +167,10 @@ pub struct Turned {
     pub label: u32,
 }
 
-impl Turned {
+impl RedirectedSample {
     /// By no edit.
-    pub fn straight(direction: Vec3) -> Turned {
-        Turned {
+    pub fn unedited(direction: Vec3) -> RedirectedSample {
+        RedirectedSample {
             direction,
             pdf: 1.0,
             value: Vec3::ONE,
@@ -186,10 +186,10 @@ impl Retargeted<'_> {
     }
 
     /// The direction that the BSDF knows for the true one, with |dR o / do|; none if the label is none of its.
-    pub fn origin(&self, point: &SurfacePoint, direction: Vec3) -> Option<Turn> {
+    pub fn origin(&self, point: &SurfacePoint, direction: Vec3) -> Option<Redirection> {
         match self.edit() {
             Some(edit) => edit.origin_at(point, direction),
-            None => Some(Turn {
+            None => Some(Redirection {
                 direction,
                 jacobian: 1.0,
             }),
@@ -197,8 +197,8 @@ impl Retargeted<'_> {
     }
 
     /// Factor on values, for a direction and that of [`Retargeted::origin`].
-    pub fn value(&self, point: &SurfacePoint, origin: &Turn, direction: Vec3) -> Rgb {
-        let factor = self.arrival.factor;
+    pub fn value(&self, point: &SurfacePoint, origin: &Redirection, direction: Vec3) -> Rgb {
+        let factor = self.incoming.factor;
         match self.edit() {
             Some(edit) => factor * edit.value(point, origin.direction, direction, origin.jacobian),
             None => factor,
@@ -217,17 +217,17 @@ impl Retargeted<'_> {
     }
 
     /// How the automata read the vertex in a path that goes on along a direction which the BSDF knows as `before`.
-    fn reading(&self, point: &SurfacePoint, scattered: Scattered, before: Vec3) -> Reading {
+    fn reading(&self, point: &SurfacePoint, scattered: Scattered, before: Vec3) -> VertexReading {
         let own = if self.is_free {
             Choice::FREE
         } else {
             choice(self.edits, self.states.flow(), point, before, self.label)
         };
-        Reading {
-            place: self.edits.words.place(point),
+        VertexReading {
+            place: self.edits.words.first_letter(point),
             scattered,
             own,
-            other: self.arrival.choice,
+            other: self.incoming.choice,
         }
     }
 
@@ -238,24 +238,24 @@ impl Retargeted<'_> {
     }
 
     /// Turns a sampled direction; where only a part of what is scattered is selected, `draw` decides.
-    pub fn turn(
+    pub fn redirect(
         &self,
         point: &SurfacePoint,
         scattered: &Scattered,
         before: Vec3,
         draw: impl FnOnce() -> f32,
-    ) -> Turned {
-        let straight = Turned {
-            value: self.arrival.factor,
-            ..Turned::straight(before)
+    ) -> RedirectedSample {
+        let straight = RedirectedSample {
+            value: self.incoming.factor,
+            ..RedirectedSample::unedited(before)
         };
         let flow = self.states.flow();
         let choice = choice(self.edits, flow, point, before, 0);
         if choice.within == 0 {
             return straight;
         }
-        let place = self.edits.words.place(point);
-        let other = self.arrival.choice;
+        let place = self.edits.words.first_letter(point);
+        let other = self.incoming.choice;
         let weights = self
             .states
             .own_labels(self.edits, place, scattered, other, choice.within);
@@ -277,19 +277,19 @@ impl Retargeted<'_> {
             }
             probability = weights[chosen] / total;
         }
-        let value = self.arrival.factor / probability;
+        let value = self.incoming.factor / probability;
         if chosen == 0 {
-            return Turned { value, ..straight };
+            return RedirectedSample { value, ..straight };
         }
         let edit = &self.edits.list[chosen - 1];
-        let Some(turn) = edit.turn_at(point, before) else {
+        let Some(redirected) = edit.redirect_at(point, before) else {
             return straight;
         };
-        let jacobian = 1.0 / turn.jacobian;
-        Turned {
-            direction: turn.direction,
+        let jacobian = 1.0 / redirected.jacobian;
+        RedirectedSample {
+            direction: redirected.direction,
             pdf: jacobian,
-            value: value * edit.value(point, before, turn.direction, jacobian),
+            value: value * edit.value(point, before, redirected.direction, jacobian),
             label: label(1 << (chosen - 1)),
         }
     }

@@ -13,7 +13,7 @@ use glam::Vec3;
 const SAME_DIRECTION: f32 = 1.0 - 2e-4;
 
 /// What a material does in a discrete direction.
-pub(super) struct Discrete {
+pub(super) struct DiscreteScattering {
     pub value: Rgb,
     pub pdf: f32,
     pub eta: f32,
@@ -30,8 +30,8 @@ pub(super) fn discrete(
     wi: Vec3,
     wo: Vec3,
     wanted: u32,
-) -> Discrete {
-    let mut sum = Discrete {
+) -> DiscreteScattering {
+    let mut sum = DiscreteScattering {
         value: Vec3::ZERO,
         pdf: 0.0,
         eta: 1.0,

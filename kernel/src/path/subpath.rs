@@ -2,7 +2,7 @@
 //!
 //! A walk follows its ray to a surface, where [`Subpath::arrive`] applies the rules ([`super::rules`]); it passes straight
 //! through what does not count as a vertex ([`Subpath::skip_surface`], [`Subpath::continue_through_masks`]), or scatters
-//! and leaves along a new ray ([`Subpath::leave`]). Path tracing adds the radiance that it gathers
+//! and leaves along a new ray ([`Subpath::continue_along`]). Path tracing adds the radiance that it gathers
 //! ([`crate::transport::path::Path`]), subpaths that are connected add what their weights need ([`super::Walk`]).
 //!
 //! The record is plain data, laid out for storage buffers with scalar alignment: shaders and checkpoints hold it as it is.
@@ -116,7 +116,7 @@ impl Subpath {
     /// `rr_depth` edges on it goes on with the probability `survival` only. Says what is next, one of [`step`].
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-    pub fn leave<S: Sampler>(
+    pub fn continue_along<S: Sampler>(
         &mut self,
         rules: &PathRules,
         sampler: &mut S,

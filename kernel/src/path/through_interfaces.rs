@@ -59,7 +59,7 @@ pub struct Interfaces {
 
 /// What a chain carries.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried {
+pub struct ChainThroughput {
     /// f M, but for the light and for the scattering at the surface.
     pub value: Rgb,
     /// Unit direction from the surface.
@@ -222,7 +222,7 @@ impl Interfaces {
     }
 
     /// Whether the walk from the straight line to the half vectors of this path finds it.
-    pub fn finds<T: Traverse>(
+    pub fn is_found_by_walk<T: Traverse>(
         &self,
         view: &SceneView<'_, T>,
         surface: &SurfacePoint,
@@ -255,12 +255,12 @@ impl Interfaces {
     }
 
     /// What the chain carries from the light to the surface.
-    pub fn carried(
+    pub fn throughput(
         &self,
         tables: &Tables<'_>,
         rules: &PathRules,
         bsdf: &mut Bsdf,
-    ) -> Option<Carried> {
+    ) -> Option<ChainThroughput> {
         let last = self.len - 1;
         let jacobian = self.jacobian();
         let mut measure = generalized_geometry_term(&self.vertices, &jacobian);
@@ -302,7 +302,7 @@ impl Interfaces {
         let cosine = abs(self.vertices[last].geometric_normal.dot(direction));
         let value = value * measure.times(1.0 / cosine).value();
         let is_some = value.max_element() > 0.0 && value.is_finite();
-        is_some.then_some(Carried {
+        is_some.then_some(ChainThroughput {
             value,
             direction,
             outgoing: towards(0, 1),

@@ -29,7 +29,7 @@ pub struct Edge {
 
 /// Where a walk arrived.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub struct TracedEdge {
     /// The surface; nothing where it left the scene.
     pub point: Option<SurfacePoint>,
     /// What it passed.
@@ -79,12 +79,12 @@ impl<T: Traverse> Tracer<'_, T> {
             return true;
         }
         let pdf = [0, 1].map(|s| path.strategy_pdf(tables, s, false));
-        path.value *= remainder.left(path.luminance(), pdf, path.edges() as u32);
+        path.value *= remainder.chain_share(path.luminance(), pdf, path.edges() as u32);
         path.value.max_element() > 0.0
     }
 
     /// Follows a ray to the surface where a walk stands; `from_sensor` passes emitters that the sensor does not see.
-    pub fn trace<S: Sampler>(&self, ray: &Ray, from_sensor: bool, sampler: &mut S) -> Arrival {
+    pub fn trace<S: Sampler>(&self, ray: &Ray, from_sensor: bool, sampler: &mut S) -> TracedEdge {
         let tables = &self.view.tables;
         let mut ray = *ray;
         let mut edge = Edge {
@@ -102,7 +102,7 @@ impl<T: Traverse> Tracer<'_, T> {
                 let through = p_through(tables, &point);
                 let p = through.max_element().min(1.0);
                 if !(p > 0.0) || sampler.next_1d() >= p {
-                    return Arrival {
+                    return TracedEdge {
                         point: Some(point),
                         edge,
                     };
@@ -112,11 +112,11 @@ impl<T: Traverse> Tracer<'_, T> {
             }
             pass_through(&mut ray, &point);
         }
-        Arrival { point: None, edge }
+        TracedEdge { point: None, edge }
     }
 
     /// What lies along a segment, nothing if it is blocked; `to_sensor` passes emitters that the sensor does not see.
-    pub fn test(&self, segment: &Ray, to_sensor: bool) -> Option<Edge> {
+    pub fn segment(&self, segment: &Ray, to_sensor: bool) -> Option<Edge> {
         let tables = &self.view.tables;
         let passes_emitters = to_sensor && self.rules.hide_emitters != 0;
         let mut edge = Edge {

@@ -299,7 +299,7 @@ impl Walk {
             };
         }
         let sampled = point.frame.to_world(sample.wo).normalize();
-        let turned = at.depart(tables, &sample, sampled, sampler);
+        let turned = at.outgoing(tables, &sample, sampled, sampler);
         let direction = turned.direction;
         let cos_shading = if turned.label == 0 {
             sample.wo.z
@@ -359,7 +359,7 @@ impl Walk {
         } else {
             subpath.light_survival(self.initial)
         };
-        subpath.leave(rules, sampler, point, direction, survival)
+        subpath.continue_along(rules, sampler, point, direction, survival)
     }
 
     /// The partial sums after scattering at a regularised vertex: with p_hat of the sampled direction in place of its density,

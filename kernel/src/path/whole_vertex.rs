@@ -43,7 +43,7 @@ pub struct Vertex {
 
 impl Vertex {
     /// A vertex that is no surface: a point light, a light at infinity, a lens.
-    pub fn bare(tables: &Tables<'_>, position: Vec3) -> Vertex {
+    pub fn without_surface(tables: &Tables<'_>, position: Vec3) -> Vertex {
         let point = SurfacePoint {
             position,
             material: NONE,

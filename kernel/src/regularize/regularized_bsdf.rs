@@ -199,7 +199,7 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3, tau: f32) 
         return (f, p * ratio);
     }
     // The base is sampled as before.
-    let reflected = 1.0 - rough_plastic::passed(&regularized, data, model.wi.z);
+    let reflected = 1.0 - rough_plastic::transmitted_share(&regularized, data, model.wi.z);
     let q = plastic::specular_probability(&regularized, model.wi.z, reflected);
     let base = ((1.0 - q) * model.wo.z.max(0.0) * FRAC_1_PI * model.jacobian).min(p);
     (f, base + (p - base) * ratio)

@@ -26,7 +26,7 @@ pub fn ray(camera: &Camera, film: Vec2) -> Ray {
 
 /// Where a point is seen.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct SphericalProjection {
     /// Film position in pixels of the whole film.
     pub film: Vec2,
     /// Density of the direction per solid angle for even film positions; infinite at the poles.
@@ -36,13 +36,13 @@ pub struct Seen {
 }
 
 /// The projection of a point.
-pub fn project(camera: &Camera, point: Vec3) -> Seen {
+pub fn project(camera: &Camera, point: Vec3) -> SphericalProjection {
     let local = transform_point(&camera.to_camera, point);
     let across = float::sqrt(local.x * local.x + local.z * local.z);
     let turn = float::atan2(local.x, -local.z) * (0.5 * FRAC_1_PI);
     let x = if turn < 0.0 { turn + 1.0 } else { turn };
     let y = float::atan2(across, local.y) * FRAC_1_PI;
-    Seen {
+    SphericalProjection {
         film: Vec2::new(
             x * camera.film_size[0] as f32,
             y * camera.film_size[1] as f32,

@@ -15,7 +15,7 @@ use super::pixel::camera_ray;
 use super::settings::IntegratorSettings;
 use crate::bsdf::Bsdf;
 use crate::math::{Ray, Rgb};
-use crate::path::path_states::{LitBy, add_to_parts};
+use crate::path::path_states::{EmitterMatches, add_to_parts};
 use crate::path::{PathExpressions, PathStates, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse};
@@ -27,7 +27,7 @@ pub struct DividedPath {
     /// Light of all paths.
     pub whole: Rgb,
     /// The expressions that match the emitter sample under way.
-    lit_by: LitBy,
+    matched_at_emitter: EmitterMatches,
     /// Its emitter, if that depends on more states than one: then they are in `lit`.
     lit_emitter: u32,
     /// Of the vertices behind the walk.
@@ -39,7 +39,7 @@ impl DividedPath {
     /// Of no path.
     pub const NONE: DividedPath = DividedPath {
         whole: Vec3::ZERO,
-        lit_by: LitBy::NONE,
+        matched_at_emitter: EmitterMatches::NONE,
         lit_emitter: NONE,
         states: PathStates::DEAD,
         lit: PathStates::DEAD,
@@ -54,7 +54,7 @@ impl DividedPath {
 
     /// The path has met light of an emitter.
     #[inline]
-    pub fn met(
+    pub fn emitter_hit(
         &mut self,
         expressions: &PathExpressions<'_>,
         found: Rgb,
@@ -76,10 +76,12 @@ impl DividedPath {
         scattered: &Scattered,
         emitter: u32,
     ) -> bool {
-        self.lit_by = self.states.lit_by(expressions, point, scattered, emitter);
+        self.matched_at_emitter =
+            self.states
+                .matched_at_emitter(expressions, point, scattered, emitter);
         self.lit_emitter = NONE;
-        if self.lit_by.is_known {
-            let bits = self.lit_by.bits | self.lit_by.glossy_bits;
+        if self.matched_at_emitter.is_known {
+            let bits = self.matched_at_emitter.bits | self.matched_at_emitter.glossy_bits;
             return expressions.only == 0 || bits != 0;
         }
         self.lit_emitter = emitter;
@@ -90,10 +92,10 @@ impl DividedPath {
 
     /// The emitter sample has turned out to give so much.
     #[inline]
-    pub fn lit(&mut self, expressions: &PathExpressions<'_>, found: Rgb, parts: &mut [Rgb]) {
+    pub fn add_direct(&mut self, expressions: &PathExpressions<'_>, found: Rgb, parts: &mut [Rgb]) {
         self.whole += found;
         if self.lit_emitter == NONE {
-            let by = &self.lit_by;
+            let by = &self.matched_at_emitter;
             add_to_parts(by.bits, found * by.weight, parts);
             add_to_parts(by.glossy_bits, found * by.glossy_weight, parts);
         } else {
@@ -133,7 +135,7 @@ impl DividedPath {
         } else {
             tables.info.environment
         };
-        self.met(expressions, found, emitter, parts);
+        self.emitter_hit(expressions, found, emitter, parts);
         let (point, data) = (&driver.point, tables.data);
         let wi = point.frame.to_local(-direction);
         if driver.shadow_ray.is_some() {
@@ -176,7 +178,7 @@ pub fn divided_radiance<T: Traverse, S: Sampler>(
         let found = driver.path.radiance;
         driver.path.radiance = Vec3::ZERO;
         if found.max_element() > 0.0 {
-            divided.lit(expressions, found, parts);
+            divided.add_direct(expressions, found, parts);
         }
     }
     divided.whole

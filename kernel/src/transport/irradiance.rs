@@ -65,7 +65,7 @@ pub fn irradiance<T: Traverse, S: Sampler>(
         driver.path.radiance = Vec3::ZERO;
         match expressions {
             Some(expressions) if light.max_element() > 0.0 => {
-                divided.lit(expressions, light, parts);
+                divided.add_direct(expressions, light, parts);
             }
             _ => found += light,
         }

@@ -60,14 +60,14 @@ impl Anchor {
     }
 
     /// Whether the connection from the anchor finds the path that ends at a point of a light.
-    pub fn finds<T: Traverse>(
+    pub fn is_found_by_walk<T: Traverse>(
         mut self,
         view: &SceneView<'_, T>,
         light: ChainVertex,
         scratch: &mut Bsdf,
     ) -> bool {
         self.chain.vertices[0] = light;
-        self.chain.len > 2 && self.chain.finds(view, &self.point, scratch)
+        self.chain.len > 2 && self.chain.is_found_by_walk(view, &self.point, scratch)
     }
 }
 
@@ -140,7 +140,7 @@ pub fn connect<T: Traverse, S: Sampler>(
     let (target, density) = line.draw(sampler);
     let carried = line
         .with(view, &target)
-        .and_then(|found| found.carried(tables, rules, scratch));
+        .and_then(|found| found.throughput(tables, rules, scratch));
     let Some(carried) = carried else {
         return Rgb::ZERO;
     };

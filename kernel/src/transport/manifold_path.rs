@@ -38,7 +38,8 @@ pub fn radiance<T: Traverse, S: Sampler>(
         if driver.path.radiance.max_element() > 0.0 {
             let light = ChainVertex::from_surface(&driver.point);
             let is_surface = driver.hit.is_hit();
-            let is_left = anchor.is_some_and(|a| is_surface && a.finds(view, light, &mut scratch));
+            let is_left =
+                anchor.is_some_and(|a| is_surface && a.is_found_by_walk(view, light, &mut scratch));
             if !is_left {
                 radiance += driver.path.radiance;
             }
@@ -60,7 +61,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
                     passes(&at, before, to_light)
                         && anchor.push(vertex)
                         && sampled_light(view, &at, &driver.light)
-                            .is_some_and(|light| anchor.finds(view, light, &mut scratch))
+                            .is_some_and(|light| anchor.is_found_by_walk(view, light, &mut scratch))
                 });
             if !is_left {
                 radiance += found;

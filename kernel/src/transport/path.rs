@@ -136,7 +136,7 @@ impl Path {
         };
         subpath.eta *= sample.eta;
         let survival = subpath.camera_survival();
-        subpath.leave(rules, sampler, point, direction, survival)
+        subpath.continue_along(rules, sampler, point, direction, survival)
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Lobe;
 use halflight_kernel::bsdf::diffracting_conductor::fill_table;
 use halflight_kernel::bsdf::diffraction_table::{FineScale, WORDS};
-use halflight_kernel::bsdf::hanrahan_krueger::given;
+use halflight_kernel::bsdf::hanrahan_krueger::layer_parameters;
 use halflight_kernel::bsdf::ward::variant;
 use halflight_kernel::scene::{distribution, lobe_flag, lobe_kind};
 use std::sync::OnceLock;
@@ -119,11 +119,11 @@ pub fn later_cases() -> Vec<Case> {
         ));
     }
     for (given, first, second, g) in [
-        (given::DEPTHS, Vec3::new(1.0, 0.5, 0.1), 0.2, 0.0),
-        (given::DEPTHS, Vec3::splat(0.01), 0.0, 0.5),
-        (given::DEPTHS, Vec3::splat(5.0), 1.0, -0.4),
-        (given::ALBEDO, Vec3::new(1.0, 0.5, 0.1), 2.0, 0.9),
-        (given::ALBEDO, Vec3::splat(0.9), 1e9, 0.3),
+        (layer_parameters::DEPTHS, Vec3::new(1.0, 0.5, 0.1), 0.2, 0.0),
+        (layer_parameters::DEPTHS, Vec3::splat(0.01), 0.0, 0.5),
+        (layer_parameters::DEPTHS, Vec3::splat(5.0), 1.0, -0.4),
+        (layer_parameters::ALBEDO, Vec3::new(1.0, 0.5, 0.1), 2.0, 0.9),
+        (layer_parameters::ALBEDO, Vec3::splat(0.9), 1e9, 0.3),
     ] {
         let mut lobe = white(lobe_kind::HANRAHAN_KRUEGER);
         lobe.distribution = given;

@@ -29,12 +29,12 @@ use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::camera::CameraSample;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::bidirectional::adaptive::{
-    Adaptive, AdaptivePhotons, AdaptiveRoom,
+    Adaptive, AdaptivePhotons, AdaptiveWorkspace,
 };
 use halflight_kernel::transport::bidirectional::manifold::sample_through_interfaces;
 use halflight_kernel::transport::bidirectional::{
-    Bidirectional, DividedPhotons, DividedSample, StateStore, Unshadowed, Watcher, counted,
-    sample_watched,
+    Bidirectional, DividedPhotons, DividedSample, PathObserver, StateStore, Unshadowed, counted,
+    sample_observed,
 };
 use halflight_kernel::transport::photon::divided::sample_among_photons;
 use halflight_kernel::transport::photon::merging::PassPhotons;
@@ -380,7 +380,7 @@ fn sample_adaptive<T: Traverse, S: LaneSampler>(
         radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
         splats: vec![Vec::new(); images],
     };
-    let mut room = Box::new(AdaptiveRoom::new());
+    let mut room = Box::new(AdaptiveWorkspace::new());
     for (i, sample) in samples.iter_mut().enumerate() {
         let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);
         let numbers = (&mut sample.light, &mut sample.camera);
@@ -416,14 +416,14 @@ fn follow<T: Traverse, S: LaneSampler>(
     sample: &mut super::bidirectional_job::TileSample<S>,
     seen: &CameraSample,
     vertices: &mut Vertices,
-    watcher: &mut impl Watcher,
+    observer: &mut impl PathObserver,
 ) {
     let (light, camera) = (&mut sample.light, &mut sample.camera);
     match followed.edits {
-        Some(edits) => retargeted::bidirectional::sample_watched(
-            view, algorithm, edits, photons, light, camera, seen, vertices, watcher,
+        Some(edits) => retargeted::bidirectional::sample_observed(
+            view, algorithm, edits, photons, light, camera, seen, vertices, observer,
         ),
-        None => sample_watched(view, algorithm, light, camera, seen, vertices, watcher),
+        None => sample_observed(view, algorithm, light, camera, seen, vertices, observer),
     }
 }
 

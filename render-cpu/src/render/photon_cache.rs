@@ -108,7 +108,7 @@ impl PhotonPath for PhotonList {
         all.any(|(position, photon)| is_seen(Vec3::from_array(*position), photon))
     }
 
-    fn hand_on(&self, count: f32, other: &mut Self) {
+    fn append_to(&self, count: f32, other: &mut Self) {
         other.positions.extend_from_slice(&self.positions);
         other
             .photons

@@ -26,7 +26,7 @@ const STEPS: u64 = 1000;
 /// Reports the progress of one run on standard error.
 pub struct ProgressReport {
     shared: Option<Arc<Shared>>,
-    watcher: Option<JoinHandle<()>>,
+    observer: Option<JoinHandle<()>>,
 }
 
 /// What the run and the watching thread have in common.
@@ -66,7 +66,7 @@ impl ProgressReport {
         if quiet {
             return ProgressReport {
                 shared: None,
-                watcher: None,
+                observer: None,
             };
         }
         let display = if std::io::stderr().is_terminal() {
@@ -101,10 +101,10 @@ impl ProgressReport {
             }
         };
         // Without a thread it is reported between passes only.
-        let watcher = std::thread::Builder::new().spawn(watch).ok();
+        let observer = std::thread::Builder::new().spawn(watch).ok();
         ProgressReport {
             shared: Some(shared),
-            watcher,
+            observer,
         }
     }
 
@@ -127,10 +127,10 @@ impl ProgressReport {
     pub fn finish(&mut self) {
         let Some(shared) = &self.shared else { return };
         shared.is_over.store(true, Ordering::Relaxed);
-        if let Some(watcher) = self.watcher.take() {
-            watcher.thread().unpark();
+        if let Some(observer) = self.observer.take() {
+            observer.thread().unpark();
             // It does nothing that could panic but write lines, which never does.
-            let _ = watcher.join();
+            let _ = observer.join();
         }
         if let Display::Bar(bar) = &shared.lock().display {
             bar.abandon();
@@ -246,7 +246,7 @@ mod tests {
         assert_eq!(text(2.5), expected);
         assert_eq!(text(2.0), "2 spp  0.00 M samples/s  0s left");
         report.finish();
-        assert!(shared.is_over.load(Ordering::Relaxed) && report.watcher.is_none());
+        assert!(shared.is_over.load(Ordering::Relaxed) && report.observer.is_none());
         let silent = ProgressReport::new(Goal::Samples(4), state, true, MutationsPerPixel(1), 100);
         assert!(silent.counter().is_none());
     }

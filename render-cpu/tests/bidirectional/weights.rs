@@ -51,13 +51,13 @@ struct Checked {
     to_lens: u32,
     lit: u32,
     emitted: u32,
-    lens_met: u32,
+    lens_hit: u32,
     merged: u32,
 }
 
 impl Checked {
     fn all(&self) -> u32 {
-        self.inner + self.to_lens + self.lit + self.emitted + self.lens_met + self.merged
+        self.inner + self.to_lens + self.lit + self.emitted + self.lens_hit + self.merged
     }
 }
 
@@ -160,20 +160,20 @@ impl Sample<'_> {
         if start.is_some() {
             let walk = Walk::from_emitter(&start);
             (light, _) = self.follow(walk, &mut sampler, |walk, hit, arrived| {
-                let met = weight(|plain| self.connector(plain).lens_met(walk, hit.t));
+                let met = weight(|plain| self.connector(plain).lens_hit(walk, hit.t));
                 let lens = camera::intersect_lens(&tables.camera, &walk.subpath.ray);
                 let path = WholePath {
                     light: end,
                     inner: arrived.iter().map(|a| a.site.point).collect(),
                     lens: walk.subpath.ray.at(lens.t),
                 };
-                checked.lens_met += self.compare(met, &path, arrived.len() + 2);
+                checked.lens_hit += self.compare(met, &path, arrived.len() + 2);
             });
         }
         let pixel = [self.number % 8, self.number / 8 % 6];
         let seen = camera_ray(tables, &mut sampler, pixel);
         let (cameras, escaped) = self.follow(Walk::from_sensor(&seen), &mut sampler, |_, _, _| {});
-        self.checked.lens_met += checked.lens_met;
+        self.checked.lens_hit += checked.lens_hit;
 
         self.start_to_lens(&start, end, &mut sampler);
         for i in 0..light.len() {
@@ -500,7 +500,7 @@ fn weights_of_every_emitter_and_camera_are_those_of_the_densities() {
             for weighting in WEIGHTINGS {
                 let checked = check(&scene, 300, weighting);
                 assert!(checked.all() > 200, "{name}, {camera}: {checked:?}");
-                of_camera.lens_met += checked.lens_met;
+                of_camera.lens_hit += checked.lens_hit;
                 of_camera.emitted += checked.emitted;
                 of_camera.to_lens += checked.to_lens;
             }
@@ -510,6 +510,6 @@ fn weights_of_every_emitter_and_camera_are_those_of_the_densities() {
             "{camera}: {of_camera:?}"
         );
         let has_lens = camera == "thinlens";
-        assert_eq!(of_camera.lens_met > 0, has_lens, "{of_camera:?}");
+        assert_eq!(of_camera.lens_hit > 0, has_lens, "{of_camera:?}");
     }
 }

@@ -73,10 +73,10 @@ fn left(scene: &Scene, remainder: Remainder, seed: u32) -> Estimate {
     with_view(scene, |view| {
         let settings = settings_of(scene, integrator_kind::VEACH_MLT);
         let chains = VeachChains::new(view, &settings, LEAST_EDGES, seed, 0);
-        let chains = chains.beside(Some(remainder));
+        let chains = chains.with_path_tracing(Some(remainder));
         for candidate in 0..40_000 {
             let mut sum = 0.0;
-            chains.weigh(candidate, &mut |weight| sum += weight);
+            chains.candidate_weights(candidate, &mut |weight| sum += weight);
             values.push(sum);
         }
     });

@@ -219,7 +219,7 @@ pub fn check(bytes: &[u8], folder: &Path) -> Reached {
     let mut reached = Reached::default();
     for candidate in 0..200 {
         let (mut member, mut lit) = (0, None);
-        chains.weigh(candidate, &mut |weight| {
+        chains.candidate_weights(candidate, &mut |weight| {
             assert!(!weight.is_nan() && weight >= 0.0, "{weight}\n{text}");
             if weight > 0.0 && weight.is_finite() {
                 lit = Some(member);

@@ -103,7 +103,7 @@ fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, steps: u32) -> Option<Group
     let mut found = Vec::new();
     for candidate in 0..CANDIDATES {
         let mut member = 0;
-        algorithm.weigh(candidate, &mut |weight| {
+        algorithm.candidate_weights(candidate, &mut |weight| {
             if weight > 0.0 {
                 found.push((candidate, member, f64::from(weight)));
             }
@@ -341,7 +341,7 @@ fn added<A: ChainAlgorithm>(algorithm: &A, steps: u32) -> f64 {
     let mut start = None;
     for candidate in 0..CANDIDATES {
         let mut member = 0;
-        algorithm.weigh(candidate, &mut |weight| {
+        algorithm.candidate_weights(candidate, &mut |weight| {
             if weight > 0.0 {
                 start.get_or_insert((candidate, member));
             }

@@ -122,7 +122,7 @@ fn mutations_are_total() {
                 let chains = VeachChains::new(view, &settings, 2, 7, 0);
                 for candidate in 0..400 {
                     let (mut member, mut lit) = (0, None);
-                    chains.weigh(candidate, &mut |weight| {
+                    chains.candidate_weights(candidate, &mut |weight| {
                         if weight > 0.0 && weight.is_finite() {
                             lit = Some(member);
                         }

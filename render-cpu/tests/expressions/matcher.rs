@@ -262,7 +262,7 @@ pub fn matched(
                     material: tables.shapes[*shape].material,
                     ..SurfacePoint::ZERO
                 };
-                expressions.letter(expressions.place(&point), *kind)
+                expressions.letter(expressions.first_letter(&point), *kind)
             }
         })
         .collect();

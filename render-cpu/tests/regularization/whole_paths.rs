@@ -12,8 +12,8 @@ use halflight_kernel::regularize::settings::Regularization;
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::bidirectional::adaptive::{Adaptive, AdaptiveRoom};
-use halflight_kernel::transport::bidirectional::{Bidirectional, Unshadowed, sample_watched};
+use halflight_kernel::transport::bidirectional::adaptive::{Adaptive, AdaptiveWorkspace};
+use halflight_kernel::transport::bidirectional::{Bidirectional, Unshadowed, sample_observed};
 use halflight_kernel::transport::camera_ray;
 
 const ROUGH_METAL: &str = r#"<bsdf type="roughconductor"><float name="alpha" value="0.1"/>
@@ -47,7 +47,7 @@ fn sums_for_each_path_are_the_weights_of_the_recursion() {
             let algorithm =
                 Bidirectional::new(&view.tables, &scene.settings).regularized(of_tau(30.0));
             let adaptive = Adaptive::new(&algorithm);
-            let mut room = Box::new(AdaptiveRoom::new());
+            let mut room = Box::new(AdaptiveWorkspace::new());
             for pixel in 0..96 {
                 for sample in 0..12 {
                     let at = [pixel % 12, pixel / 12];
@@ -64,7 +64,7 @@ fn sums_for_each_path_are_the_weights_of_the_recursion() {
                         if kind == 0 {
                             let mut watcher = Unshadowed::new(view, scene.settings.rules, add);
                             let store = &mut Vertices::default();
-                            sample_watched(
+                            sample_observed(
                                 view,
                                 &algorithm,
                                 &mut light,

@@ -1,7 +1,7 @@
 //! Random scenes.
 
 use crate::files::Files;
-use crate::materials::{GENERAL, ROUGHNESS};
+use crate::materials::{ROUGHNESS, WITHOUT_VARIANT};
 use crate::room::{CONSTANT, LAMP, POINT, Room, path};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
@@ -121,7 +121,7 @@ fn material() -> impl Strategy<Value = String> {
         1 => (reflecting.clone(), reflecting)
             .prop_map(|(a, b)| format!(r#"<bsdf type="twosided">{a}{b}</bsdf>"#)),
         2 => transmitting,
-        1 => select(GENERAL.to_vec()).prop_map(String::from),
+        1 => select(WITHOUT_VARIANT.to_vec()).prop_map(String::from),
     ]
 }
 

@@ -228,7 +228,7 @@ fn two_sided_surfaces() {
 }
 
 /// Materials that take the way of a single path.
-pub const GENERAL: [&str; 9] = [
+pub const WITHOUT_VARIANT: [&str; 9] = [
     r#"<bsdf type="null"/>"#,
     r#"<bsdf type="mask"><float name="opacity" value="0.6"/><bsdf type="diffuse"/></bsdf>"#,
     r#"<bsdf type="mask"><texture name="opacity" type="bitmap"><string name="filename" value="grey.png"/></texture>
@@ -247,7 +247,7 @@ pub const GENERAL: [&str; 9] = [
 #[test]
 fn materials_without_loops_among_plain_ones() {
     let files = Files::new();
-    for material in GENERAL {
+    for material in WITHOUT_VARIANT {
         let room = Room::with_material(material);
         room.agrees(&files);
         let lit_by_all = Room {
@@ -278,7 +278,7 @@ fn all_materials_together() {
     ];
     let shapes: String = materials
         .iter()
-        .chain(&GENERAL)
+        .chain(&WITHOUT_VARIANT)
         .enumerate()
         .map(|(i, material)| {
             let (x, y) = ((i % 6) as f32 * 0.6 - 1.5, (i / 6) as f32 * 0.6 - 0.8);

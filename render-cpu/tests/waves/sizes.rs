@@ -1,7 +1,7 @@
 //! Waves of any number of slots, full or not, used once or again, in any mixture of pixels.
 
 use crate::files::Files;
-use crate::materials::GENERAL;
+use crate::materials::WITHOUT_VARIANT;
 use crate::room::{CONSTANT, LAMP, POINT, Room};
 use crate::samples::{
     all_simd_levels, assert_same, in_waves, lit_share, one_by_one, starts, with_view,
@@ -18,7 +18,7 @@ fn rooms() -> [Room; 3] {
             emitters: format!("{LAMP}{POINT}{CONSTANT}"),
             shapes: format!(
                 r#"<shape type="sphere"><float name="radius" value="0.5"/>{}</shape>"#,
-                GENERAL[1]
+                WITHOUT_VARIANT[1]
             ),
             ..Room::with_material(textured)
         },

@@ -178,7 +178,7 @@ impl<'a> Bidirectional<'a> {
         mut found: impl Contributions,
     ) -> u32 {
         let connector = &self.connector;
-        let met = connector.lens_met(walk, hit.t);
+        let met = connector.lens_hit(walk, hit.t);
         if met.is_some() {
             found.add(met);
         }
@@ -260,14 +260,14 @@ impl<'a> Bidirectional<'a> {
                 let u = sampler.next_2d();
                 if is_mollified {
                     let light = emitter::sample_direct(tables, at.point.position, u_select, u);
-                    let lit = connector.mollified_lit(walk, &at, &light);
+                    let lit = connector.mollified_next_event(walk, &at, &light);
                     add_some(&mut add, lit, &at);
                 }
                 connector.next_event(walk, &at, u_select, u)
             } else {
                 if is_mollified {
                     let light = connector.start_of(light.start, at.point.position);
-                    let lit = connector.mollified_lit(walk, &at, &light);
+                    let lit = connector.mollified_next_event(walk, &at, &light);
                     add_some(&mut add, lit, &at);
                 }
                 connector.start_event(walk, &at, light.start)

@@ -3,7 +3,7 @@
 //! The light walk leaves the states before each of its vertices, the camera walk has those before its own: what is connected
 //! reads the two ends of the connection and joins both.
 
-use super::sample::Watcher;
+use super::sample::PathObserver;
 use crate::bsdf::mode;
 use crate::math::{Rgb, vec3};
 use crate::path::visibility::contribution_transmittance;
@@ -124,7 +124,7 @@ impl<'a, 'b, T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)>
         (self.add)(found, &shares);
     }
 
-    fn hand_on(&mut self, mut contribution: Contribution, shares: &Shares) {
+    fn add_unoccluded(&mut self, mut contribution: Contribution, shares: &Shares) {
         if self.expressions.only != 0 && shares.is_none() {
             return;
         }
@@ -143,7 +143,7 @@ impl<T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)> Contributions
         // An emitter that the lens sees, or a walk that has met the lens behind as many vertices.
         let behind = contribution.s.max(2) as usize - 2;
         let shares = self.light.get(behind).reach_sensor(&self.expressions);
-        self.hand_on(contribution, &shares);
+        self.add_unoccluded(contribution, &shares);
     }
 
     fn add_at(&mut self, contribution: Contribution, at: &Interaction<'_>) {
@@ -154,7 +154,7 @@ impl<T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)> Contributions
             self.behind_light_vertex(&contribution, at, true)
                 .reach_sensor(&self.expressions)
         };
-        self.hand_on(contribution, &shares);
+        self.add_unoccluded(contribution, &shares);
     }
 
     fn add_between(
@@ -167,14 +167,14 @@ impl<T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)> Contributions
         let from_light = self.behind_light_vertex(&contribution, light, false);
         let from_camera = self.behind_camera_vertex(&contribution, camera);
         let shares = from_light.join(&self.expressions, &from_camera);
-        self.hand_on(contribution, &shares);
+        self.add_unoccluded(contribution, &shares);
     }
 }
 
-impl<T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)> Watcher
+impl<T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)> PathObserver
     for DividedSample<'_, '_, T, K, F>
 {
-    fn begins(&mut self, start: &EmissionSample) {
+    fn light_walk_starts(&mut self, start: &EmissionSample) {
         let states = PathStates::at_emitter(&self.expressions, start.emitter);
         self.light.push(&states);
     }
@@ -200,14 +200,14 @@ impl<T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)> Watcher
         expressions.only == 0 || !is_dead
     }
 
-    fn met(&mut self, contribution: Contribution, emitter: u32) {
+    fn emitter_hit(&mut self, contribution: Contribution, emitter: u32) {
         let shares = self.camera.reach_emitter(&self.expressions, emitter);
         if self.expressions.only == 0 || !shares.is_none() {
             (self.add)(contribution, &shares);
         }
     }
 
-    fn arrived(&mut self, walk: &Walk, at: &Interaction<'_>) {
+    fn camera_vertex(&mut self, walk: &Walk, at: &Interaction<'_>) {
         if let Some(photons) = self.photons {
             let connector = self.connector;
             for_merged(&connector, &photons.photons, walk, at, |photon, light| {

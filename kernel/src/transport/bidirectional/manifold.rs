@@ -13,7 +13,7 @@
 //! Hosts only, as the connections.
 
 use super::algorithm::Bidirectional;
-use super::sample::{Watcher, sample_watched};
+use super::sample::{PathObserver, sample_observed};
 use super::vertex_store::VertexStore;
 use crate::bsdf::{Bsdf, event, mode};
 use crate::manifold::ChainVertex;
@@ -42,15 +42,15 @@ pub fn sample_through_interfaces<T: Traverse, S: Sampler, V: VertexStore>(
     store: &mut V,
     add: impl FnMut(Contribution),
 ) {
-    let mut watcher = Left::new(view, algorithm.connector.rules, light_sampler, add);
-    sample_watched(
+    let mut observer = Left::new(view, algorithm.connector.rules, light_sampler, add);
+    sample_observed(
         view,
         algorithm,
         light_sampler,
         camera_sampler,
         seen,
         store,
-        &mut watcher,
+        &mut observer,
     );
 }
 
@@ -118,13 +118,13 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
     }
 
     /// Whether the connection from an anchor finds the path on to the light by way of the first `count` interfaces of the light walk.
-    fn finds(&mut self, mut anchor: Anchor, count: usize) -> bool {
+    fn is_found_by_walk(&mut self, mut anchor: Anchor, count: usize) -> bool {
         let Some(light) = self.light.start else {
             return false;
         };
         let passed = &self.light.passed[..count];
         passed.iter().rev().all(|vertex| anchor.push(*vertex))
-            && anchor.finds(self.view, light, &mut self.scratch)
+            && anchor.is_found_by_walk(self.view, light, &mut self.scratch)
     }
 
     /// What vertex `i` of the light walk, whose start is vertex 0, is on a way towards `direction`.
@@ -150,7 +150,8 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
             return known;
         }
         let count = self.light.passed.len();
-        let is_left = is_anchor(at.bsdf) && count > 0 && self.finds(Anchor::new(at.point), count);
+        let is_left =
+            is_anchor(at.bsdf) && count > 0 && self.is_found_by_walk(Anchor::new(at.point), count);
         self.light.is_left = Some(is_left);
         is_left
     }
@@ -172,7 +173,7 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
                     anchor.push(own).then_some(anchor)
                 }),
         };
-        chain.is_some_and(|mut anchor| anchor.push(vertex) && self.finds(anchor, before))
+        chain.is_some_and(|mut anchor| anchor.push(vertex) && self.is_found_by_walk(anchor, before))
     }
 
     /// Whether next event estimation from an interface finds a path that is left.
@@ -187,11 +188,11 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
         let own = interface_vertex(at.point, at.bsdf, alpha, direction);
         anchor.push(own)
             && light_point(self.view, &at.point.spawn(direction), contribution.emitter)
-                .is_some_and(|light| anchor.finds(self.view, light, &mut self.scratch))
+                .is_some_and(|light| anchor.is_found_by_walk(self.view, light, &mut self.scratch))
     }
 
     /// What is left of a contribution in the shadow of others.
-    fn lit(&self, mut contribution: Contribution) -> Option<Contribution> {
+    fn unoccluded(&self, mut contribution: Contribution) -> Option<Contribution> {
         if !contribution.is_some() {
             return None;
         }
@@ -203,13 +204,13 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
 impl<T: Traverse, F: FnMut(Contribution)> Contributions for Left<'_, '_, T, F> {
     fn add(&mut self, contribution: Contribution) {
         // Light that the lens sees directly, or by a walk that would have ended at an anchor.
-        if let Some(found) = self.lit(contribution) {
+        if let Some(found) = self.unoccluded(contribution) {
             (self.add)(found);
         }
     }
 
     fn add_at(&mut self, contribution: Contribution, at: &Interaction<'_>) {
-        let Some(found) = self.lit(contribution) else {
+        let Some(found) = self.unoccluded(contribution) else {
             return;
         };
         let is_left = if found.t > 1 {
@@ -231,7 +232,7 @@ impl<T: Traverse, F: FnMut(Contribution)> Contributions for Left<'_, '_, T, F> {
         light: &Interaction<'_>,
         camera: &Interaction<'_>,
     ) {
-        let Some(found) = self.lit(contribution) else {
+        let Some(found) = self.unoccluded(contribution) else {
             return;
         };
         // Segments lead from the camera's vertex to the light's.
@@ -248,8 +249,8 @@ impl<T: Traverse, F: FnMut(Contribution)> Contributions for Left<'_, '_, T, F> {
     }
 }
 
-impl<T: Traverse, F: FnMut(Contribution)> Watcher for Left<'_, '_, T, F> {
-    fn begins(&mut self, start: &EmissionSample) {
+impl<T: Traverse, F: FnMut(Contribution)> PathObserver for Left<'_, '_, T, F> {
+    fn light_walk_starts(&mut self, start: &EmissionSample) {
         let kind = self.view.tables.emitters[start.emitter as usize].kind;
         self.light.start = if kind == emitter_kind::AREA {
             Some(ChainVertex::from_surface(&start.point))
@@ -291,18 +292,19 @@ impl<T: Traverse, F: FnMut(Contribution)> Watcher for Left<'_, '_, T, F> {
         }
     }
 
-    fn met(&mut self, contribution: Contribution, emitter: u32) {
+    fn emitter_hit(&mut self, contribution: Contribution, emitter: u32) {
         let is_left = emitter != NONE
             && self.camera.is_some_and(|anchor| {
-                light_point(self.view, &self.ray, emitter)
-                    .is_some_and(|light| anchor.finds(self.view, light, &mut self.scratch))
+                light_point(self.view, &self.ray, emitter).is_some_and(|light| {
+                    anchor.is_found_by_walk(self.view, light, &mut self.scratch)
+                })
             });
         if !is_left {
             (self.add)(contribution);
         }
     }
 
-    fn arrived(&mut self, walk: &Walk, at: &Interaction<'_>) {
+    fn camera_vertex(&mut self, walk: &Walk, at: &Interaction<'_>) {
         if !is_anchor(at.bsdf) {
             return;
         }

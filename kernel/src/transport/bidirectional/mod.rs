@@ -37,5 +37,5 @@ mod vertex_store;
 pub use algorithm::{Bidirectional, ConnectedPoints, LightSubpath};
 pub use divided::{DividedPhotons, DividedSample, StateStore, counted};
 pub use reuse::SharedWalks;
-pub use sample::{Lent, Unshadowed, Watcher, sample, sample_watched};
+pub use sample::{PathObserver, SharedObserver, Unshadowed, sample, sample_observed};
 pub use vertex_store::VertexStore;

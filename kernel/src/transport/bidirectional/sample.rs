@@ -14,19 +14,19 @@ use crate::transport::settings::IntegratorSettings;
 use core::cell::RefCell;
 use glam::Vec3;
 
-/// What watches a sample: takes its contributions, before it is known whether they lie in shadow, and hears how its walks go on.
-pub trait Watcher: Contributions {
+/// An observer of both walks of a sample and of its contributions, which come before their visibility is known.
+pub trait PathObserver: Contributions {
     /// A light walk begins.
-    fn begins(&mut self, start: &EmissionSample);
+    fn light_walk_starts(&mut self, start: &EmissionSample);
 
     /// A walk has scattered at a vertex and is on its next ray; whether it shall go on.
     fn scattered(&mut self, walk: &Walk, at: &Interaction<'_>) -> bool;
 
     /// The camera walk has met light of an emitter.
-    fn met(&mut self, contribution: Contribution, emitter: u32);
+    fn emitter_hit(&mut self, contribution: Contribution, emitter: u32);
 
     /// The camera walk has arrived where photons may be merged with it.
-    fn arrived(&mut self, walk: &Walk, at: &Interaction<'_>);
+    fn camera_vertex(&mut self, walk: &Walk, at: &Interaction<'_>);
 }
 
 /// One sample: `add` takes what each strategy finds, nothing where it lies in shadow, splats and what belongs to the pixel of
@@ -41,32 +41,32 @@ pub fn sample<T: Traverse, S: Sampler, V: VertexStore>(
     add: impl FnMut(Contribution),
 ) {
     let rules = settings.rules;
-    let mut watcher = Unshadowed::new(view, rules, add);
+    let mut observer = Unshadowed::new(view, rules, add);
     let algorithm = Bidirectional::new(&view.tables, settings);
-    sample_watched(
+    sample_observed(
         view,
         &algorithm,
         light_sampler,
         camera_sampler,
         seen,
         store,
-        &mut watcher,
+        &mut observer,
     );
 }
 
-/// [`sample`] for a watcher.
-pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
+/// [`sample`] for an observer.
+pub fn sample_observed<T: Traverse, S: Sampler, V: VertexStore>(
     view: &SceneView<'_, T>,
     algorithm: &Bidirectional<'_>,
     light_sampler: &mut S,
     camera_sampler: &mut S,
     seen: &CameraSample,
     store: &mut V,
-    watcher: &mut impl Watcher,
+    observer: &mut impl PathObserver,
 ) {
     let rules = algorithm.connector.rules;
     let connects = algorithm.connector.strategies.heuristic.connects;
-    let watcher = RefCell::new(watcher);
+    let observer = RefCell::new(observer);
     let mut points = ConnectedPoints::NONE;
     let mut last = NONE;
     // Where nothing is connected, photons are all the light there is.
@@ -76,10 +76,10 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
         EmissionSample::NONE
     };
     if start.is_some() && rules.max_depth > 0 {
-        watcher.borrow_mut().begins(&start);
+        observer.borrow_mut().light_walk_starts(&start);
         let own = algorithm.start(&start, light_sampler);
         if own.is_some() {
-            watcher.borrow_mut().add(own);
+            observer.borrow_mut().add(own);
         }
         let mut walk = Walk::from_emitter(&start);
         let mut next = step::TRACE;
@@ -94,11 +94,11 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
                 &mut points.own,
                 store,
                 &mut last,
-                Lent(&watcher),
+                SharedObserver(&observer),
             );
             let has_scattered = next == step::TRACE && walk.subpath.depth > depth;
-            let mut watcher = watcher.borrow_mut();
-            if has_scattered && !watcher.scattered(&walk, &points.own.interaction(direction)) {
+            let mut observer = observer.borrow_mut();
+            if has_scattered && !observer.scattered(&walk, &points.own.interaction(direction)) {
                 next = step::END;
             }
         }
@@ -125,28 +125,30 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
             &mut points,
             &light,
             |walk, at| {
-                watcher.borrow_mut().arrived(walk, at);
+                observer.borrow_mut().camera_vertex(walk, at);
                 Vec3::ZERO
             },
-            Lent(&watcher),
+            SharedObserver(&observer),
         );
-        let mut watcher = watcher.borrow_mut();
+        let mut observer = observer.borrow_mut();
         if found.max_element() > 0.0 {
-            let (met, emitter) = algorithm.connector.met(found, depth, &hit, &points.own);
-            watcher.met(met, emitter);
+            let (met, emitter) = algorithm
+                .connector
+                .emitter_hit(found, depth, &hit, &points.own);
+            observer.emitter_hit(met, emitter);
         }
         next = after;
         let has_scattered = next == step::TRACE && walk.subpath.depth > depth;
-        if has_scattered && !watcher.scattered(&walk, &points.own.interaction(direction)) {
+        if has_scattered && !observer.scattered(&walk, &points.own.interaction(direction)) {
             next = step::END;
         }
     }
 }
 
-/// A watcher that is lent to a bounce, which hands it contributions while it also hears of the walk.
-pub struct Lent<'a, 'b, W>(pub &'a RefCell<&'b mut W>);
+/// An observer that a bounce shares with the walk: it takes contributions while it also follows the walk.
+pub struct SharedObserver<'a, 'b, W>(pub &'a RefCell<&'b mut W>);
 
-impl<W: Contributions> Contributions for Lent<'_, '_, W> {
+impl<W: Contributions> Contributions for SharedObserver<'_, '_, W> {
     #[inline]
     fn add(&mut self, contribution: Contribution) {
         self.0.borrow_mut().add(contribution);
@@ -190,17 +192,17 @@ impl<T: Traverse, F: FnMut(Contribution)> Contributions for Unshadowed<'_, '_, T
     }
 }
 
-impl<T: Traverse, F: FnMut(Contribution)> Watcher for Unshadowed<'_, '_, T, F> {
-    fn begins(&mut self, _: &EmissionSample) {}
+impl<T: Traverse, F: FnMut(Contribution)> PathObserver for Unshadowed<'_, '_, T, F> {
+    fn light_walk_starts(&mut self, _: &EmissionSample) {}
 
     fn scattered(&mut self, _: &Walk, _: &Interaction<'_>) -> bool {
         true
     }
 
     #[inline]
-    fn met(&mut self, contribution: Contribution, _: u32) {
+    fn emitter_hit(&mut self, contribution: Contribution, _: u32) {
         (self.add)(contribution);
     }
 
-    fn arrived(&mut self, _: &Walk, _: &Interaction<'_>) {}
+    fn camera_vertex(&mut self, _: &Walk, _: &Interaction<'_>) {}
 }

@@ -91,10 +91,10 @@ pub trait ChainAlgorithm: Sync {
     type Chain: Send + Sync;
 
     /// Hands on the weights I / p of the paths of a candidate, as many and in the same order each time.
-    fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32));
+    fn candidate_weights(&self, candidate: u32, add: &mut impl FnMut(f32));
 
     /// Hands on the film positions of the paths of a candidate, and the luminance of their weights F / p.
-    fn look(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32));
+    fn candidate_luminances(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32));
 
     /// Chain `number`, at path `member` of a candidate.
     fn start(&self, candidate: u32, member: u32, number: u32) -> Self::Chain;

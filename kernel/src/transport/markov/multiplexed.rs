@@ -90,7 +90,7 @@ impl<T: Traverse> PrimarySpace<'_, T> {
     ) -> Contribution {
         let connector = &algorithm.connector;
         if s == 0 {
-            return self.emission_met(connector, sensor, camera_walk, t);
+            return self.emission_hit(connector, sensor, camera_walk, t);
         }
         let samples_direct = connector.strategies.sample_direct;
         let mut start = EmissionSample::NONE;
@@ -106,11 +106,11 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         }
         let mut light_walk = Walk::from_emitter(&start);
         if t == 0 {
-            return self.lens_met(connector, light, light_walk, s);
+            return self.lens_hit(connector, light, light_walk, s);
         }
-        let mut light_end = Arrival::NONE;
+        let mut light_end = ConnectionVertex::NONE;
         if s > 1 {
-            light_end = self.arrive(connector, &mut light_walk, light, s - 1);
+            light_end = self.trace_to_vertex(connector, &mut light_walk, light, s - 1);
             if !light_end.is_there {
                 return Contribution::NONE;
             }
@@ -122,7 +122,7 @@ impl<T: Traverse> PrimarySpace<'_, T> {
             let (beta, weights) = (light_walk.subpath.throughput, light_walk.arrived);
             return connector.to_lens(beta, weights, s - 1, &light_at, u_lens);
         }
-        let end = self.arrive(connector, &mut camera_walk, sensor, t - 1);
+        let end = self.trace_to_vertex(connector, &mut camera_walk, sensor, t - 1);
         if !end.is_there {
             return Contribution::NONE;
         }
@@ -140,7 +140,7 @@ impl<T: Traverse> PrimarySpace<'_, T> {
     }
 
     /// Follows a walk until it has scattered `depth` times; says whether it gets there.
-    fn follow<S: Sampler>(
+    fn trace_subpath<S: Sampler>(
         &self,
         connector: &Connector<'_>,
         walk: &mut Walk,
@@ -150,7 +150,7 @@ impl<T: Traverse> PrimarySpace<'_, T> {
     ) -> bool {
         let h = connector.strategies.heuristic;
         while walk.subpath.depth < depth {
-            let hit = self.meet(walk, sampler);
+            let hit = self.closest_hit(walk, sampler);
             let (_, mut next) = connector.arrive(walk, &hit, site);
             if next == step::SCATTER {
                 let at = site.interaction(walk.subpath.ray.direction);
@@ -165,25 +165,25 @@ impl<T: Traverse> PrimarySpace<'_, T> {
 
     /// Follows a walk to its vertex after `edges` edges, which must be fit for a connection. Where light may pass straight
     /// through a surface on the last edge, a number decides whether the vertex is there or behind.
-    fn arrive<S: Sampler>(
+    fn trace_to_vertex<S: Sampler>(
         &self,
         connector: &Connector<'_>,
         walk: &mut Walk,
         sampler: &mut S,
         edges: u32,
-    ) -> Arrival {
+    ) -> ConnectionVertex {
         let tables = connector.tables;
-        let mut arrival = Arrival::NONE;
-        let site = &mut arrival.site;
-        if !self.follow(connector, walk, sampler, edges - 1, site) {
-            return arrival;
+        let mut vertex = ConnectionVertex::NONE;
+        let site = &mut vertex.site;
+        if !self.trace_subpath(connector, walk, sampler, edges - 1, site) {
+            return vertex;
         }
         loop {
-            arrival.hit = self.meet(walk, sampler);
-            if !arrival.hit.is_hit() {
-                return arrival;
+            vertex.hit = self.closest_hit(walk, sampler);
+            if !vertex.hit.is_hit() {
+                return vertex;
             }
-            site.find(tables, &walk.subpath.ray, &arrival.hit);
+            site.find(tables, &walk.subpath.ray, &vertex.hit);
             let mut passes = connector.is_hidden(walk, &site.point);
             if !passes && has_masks(tables, &site.point) {
                 let through = null_transmittance(tables, &site.point);
@@ -197,25 +197,25 @@ impl<T: Traverse> PrimarySpace<'_, T> {
             }
             if passes {
                 if walk.subpath.skip_surface(&site.point) != step::TRACE {
-                    return arrival;
+                    return vertex;
                 }
                 continue;
             }
             let (_, next) = connector.arrive_at(walk, site);
-            arrival.is_there = next == step::SCATTER && site.bsdf.has_smooth();
-            return arrival;
+            vertex.is_there = next == step::SCATTER && site.bsdf.has_smooth();
+            return vertex;
         }
     }
 
     /// What a walk's ray meets; what is drawn there begins with the numbers of its own bounce.
     #[inline]
-    fn meet<S: Sampler>(&self, walk: &Walk, sampler: &mut S) -> Hit {
+    fn closest_hit<S: Sampler>(&self, walk: &Walk, sampler: &mut S) -> Hit {
         sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
         self.view.traverse.closest_hit(&walk.subpath.ray)
     }
 
     /// s = 0: emission that a camera walk meets after t - 1 edges, behind masks too.
-    fn emission_met<S: Sampler>(
+    fn emission_hit<S: Sampler>(
         &self,
         connector: &Connector<'_>,
         sensor: &mut S,
@@ -227,12 +227,12 @@ impl<T: Traverse> PrimarySpace<'_, T> {
             ..Contribution::NONE
         };
         let mut site = ShadingPoint::NONE;
-        if !self.follow(connector, &mut walk, sensor, t - 2, &mut site) {
+        if !self.trace_subpath(connector, &mut walk, sensor, t - 2, &mut site) {
             return found;
         }
         let mut next = step::TRACE;
         while next == step::TRACE {
-            let hit = self.meet(&walk, sensor);
+            let hit = self.closest_hit(&walk, sensor);
             let (value, after) = connector.arrive(&mut walk, &hit, &mut site);
             found.value += value;
             next = after;
@@ -241,7 +241,7 @@ impl<T: Traverse> PrimarySpace<'_, T> {
     }
 
     /// t = 0: light that meets the lens after s - 1 edges, behind masks too.
-    fn lens_met<S: Sampler>(
+    fn lens_hit<S: Sampler>(
         &self,
         connector: &Connector<'_>,
         light: &mut S,
@@ -249,12 +249,12 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         s: u32,
     ) -> Contribution {
         let mut site = ShadingPoint::NONE;
-        if !self.follow(connector, &mut walk, light, s - 2, &mut site) {
+        if !self.trace_subpath(connector, &mut walk, light, s - 2, &mut site) {
             return Contribution::NONE;
         }
         loop {
-            let hit = self.meet(&walk, light);
-            let met = connector.lens_met(&walk, hit.t);
+            let hit = self.closest_hit(&walk, light);
+            let met = connector.lens_hit(&walk, hit.t);
             if met.is_some() || connector.arrive(&mut walk, &hit, &mut site).1 != step::TRACE {
                 return met;
             }
@@ -263,14 +263,14 @@ impl<T: Traverse> PrimarySpace<'_, T> {
 }
 
 /// Where a walk arrived to be connected.
-struct Arrival {
+struct ConnectionVertex {
     is_there: bool,
     site: ShadingPoint,
     hit: Hit,
 }
 
-impl Arrival {
-    const NONE: Arrival = Arrival {
+impl ConnectionVertex {
+    const NONE: ConnectionVertex = ConnectionVertex {
         is_there: false,
         site: ShadingPoint::NONE,
         hit: Hit::MISS,

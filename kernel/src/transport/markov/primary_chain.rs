@@ -92,7 +92,7 @@ impl<'a, T: Traverse + Sync> PrimaryChains<'a, T> {
         };
         let mut sum = 0.0;
         for candidate in 0..PILOT_CANDIDATES {
-            pilot.weigh(candidate, &mut |weight| sum += f64::from(weight));
+            pilot.candidate_weights(candidate, &mut |weight| sum += f64::from(weight));
         }
         PrimaryChains {
             constant: (sum / f64::from(PILOT_CANDIDATES)) as f32,
@@ -157,7 +157,7 @@ impl<T: Traverse + Sync> PrimaryChains<'_, T> {
 impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
     type Chain = PrimaryChain;
 
-    fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32)) {
+    fn candidate_weights(&self, candidate: u32, add: &mut impl FnMut(f32)) {
         let [mut light, mut camera] = self.candidate(candidate);
         let mut state = State::default();
         let regularization = self.annealing.at(0);
@@ -166,7 +166,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
         add(state.target());
     }
 
-    fn look(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32)) {
+    fn candidate_luminances(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32)) {
         let [mut light, mut camera] = self.candidate(candidate);
         let mut state = State::default();
         let regularization = self.annealing.at(0);

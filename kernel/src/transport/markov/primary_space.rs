@@ -23,7 +23,8 @@ use crate::sampler::{FreshSamples, PrimarySamples, Sampler};
 use crate::scene::camera::CameraSample;
 use crate::scene::{NONE, SceneView, Traverse, camera};
 use crate::transport::bidirectional::{
-    Bidirectional, DividedSample, StateStore, Unshadowed, VertexStore, Watcher, sample_watched,
+    Bidirectional, DividedSample, PathObserver, StateStore, Unshadowed, VertexStore,
+    sample_observed,
 };
 use crate::transport::bounce::{Rays, shade};
 use crate::transport::divided::DividedPath;
@@ -249,13 +250,13 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
         let mut states = States::default();
         if let Some(expressions) = self.expressions {
             let connector = &algorithm.connector;
-            let mut watcher =
+            let mut observer =
                 DividedSample::new(self.view, connector, expressions, None, &mut states, add);
-            self.watch(algorithm, light, sensor, seen, &mut watcher);
+            self.watch(algorithm, light, sensor, seen, &mut observer);
         } else {
             let add = |found: Contribution| add(found, &Shares::NONE);
-            let mut watcher = Unshadowed::new(self.view, algorithm.connector.rules, add);
-            self.watch(algorithm, light, sensor, seen, &mut watcher);
+            let mut observer = Unshadowed::new(self.view, algorithm.connector.rules, add);
+            self.watch(algorithm, light, sensor, seen, &mut observer);
         }
     }
 
@@ -265,15 +266,15 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
         light: &mut S,
         sensor: &mut S,
         seen: &CameraSample,
-        watcher: &mut impl Watcher,
+        observer: &mut impl PathObserver,
     ) {
         let mut store = Vertices::default();
         match &self.edits {
-            Some(edits) => retargeted::bidirectional::sample_watched(
-                self.view, algorithm, edits, None, light, sensor, seen, &mut store, watcher,
+            Some(edits) => retargeted::bidirectional::sample_observed(
+                self.view, algorithm, edits, None, light, sensor, seen, &mut store, observer,
             ),
-            None => sample_watched(
-                self.view, algorithm, light, sensor, seen, &mut store, watcher,
+            None => sample_observed(
+                self.view, algorithm, light, sensor, seen, &mut store, observer,
             ),
         }
     }
@@ -341,7 +342,7 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
                     driver.trace_shadow_rays();
                     let found = core::mem::take(&mut driver.path.radiance);
                     if found.max_element() > 0.0 {
-                        divided.lit(expressions, found, parts);
+                        divided.add_direct(expressions, found, parts);
                     }
                 }
                 let found = Contribution {

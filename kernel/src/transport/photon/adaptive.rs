@@ -16,7 +16,7 @@ use super::estimate::{for_photons_within, scattered};
 use super::nearest::USUAL_NEAREST;
 use super::progressive::light_walks;
 use super::statistics::{PhotonPass, PhotonStatistics, Variance};
-use super::tracing::is_the_only_way;
+use super::tracing::is_found_by_photons_alone;
 use crate::math::{Rgb, float, luminance, vec3};
 use crate::path::{Connector, Interaction, Walk};
 use crate::scene::Tables;
@@ -97,7 +97,7 @@ pub fn gather(
             .depth
             .saturating_add(walk.subpath.depth)
             .saturating_add(1);
-        if !connector.allows_edges(edges) || only_unfound && !is_the_only_way(photon) {
+        if !connector.allows_edges(edges) || only_unfound && !is_found_by_photons_alone(photon) {
             return;
         }
         let value = vec3(photon.throughput) * scattered(connector, at, photon);

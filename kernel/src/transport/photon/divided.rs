@@ -12,7 +12,9 @@ use crate::path::{
 use crate::sampler::Sampler;
 use crate::scene::camera::CameraSample;
 use crate::scene::{Hit, SceneView, Tables, Traverse};
-use crate::transport::bidirectional::{DividedPhotons, DividedSample, Lent, StateStore, Watcher};
+use crate::transport::bidirectional::{
+    DividedPhotons, DividedSample, PathObserver, SharedObserver, StateStore,
+};
 use core::cell::RefCell;
 use glam::Vec3;
 
@@ -90,12 +92,12 @@ pub fn sample_among_photons<T: Traverse, S: Sampler, K: StateStore>(
                 });
                 Vec3::ZERO
             },
-            Lent(&divided),
+            SharedObserver(&divided),
         );
         let mut divided = divided.borrow_mut();
         if found.max_element() > 0.0 {
-            let (met, emitter) = connector.met(found, depth, &hit, &site);
-            divided.met(met, emitter);
+            let (met, emitter) = connector.emitter_hit(found, depth, &hit, &site);
+            divided.emitter_hit(met, emitter);
         }
         next = after;
         let has_scattered = next == step::TRACE && walk.subpath.depth > depth;

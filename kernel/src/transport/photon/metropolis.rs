@@ -22,7 +22,7 @@
 
 use super::cache::{Photon, PhotonCache};
 use super::estimate::{LEAST_COSINE, for_photons_within};
-use super::tracing::{PhotonStore, PhotonTracer, is_the_only_way};
+use super::tracing::{PhotonStore, PhotonTracer, is_found_by_photons_alone};
 use crate::math::{float, vec3};
 use crate::path::rules::step;
 use crate::path::{ShadingPoint, Walk};
@@ -51,7 +51,7 @@ pub trait PhotonPath: PhotonStore {
     fn any(&self, is_seen: impl FnMut(Vec3, &Photon) -> bool) -> bool;
 
     /// Adds all to another list, with `count` times their flux.
-    fn hand_on(&self, count: f32, other: &mut Self);
+    fn append_to(&self, count: f32, other: &mut Self);
 }
 
 /// Where the camera walks of a pass gather photons: each is a photon whose normal is that of the surface, and which has been
@@ -79,12 +79,13 @@ pub fn gather_point(normal: Vec3, only_unfound: bool) -> Photon {
 
 impl GatherPoints<'_> {
     /// Whether some point gathers a photon.
-    fn sees(&self, position: Vec3, photon: &Photon) -> bool {
+    fn is_gathered(&self, position: Vec3, photon: &Photon) -> bool {
         let mut is_seen = false;
         for_photons_within(&self.points, position, self.radius, |index, _| {
             let point = &self.points.photons[index as usize];
             let cosine = float::abs(vec3(point.normal).dot(vec3(photon.normal)));
-            is_seen |= cosine >= LEAST_COSINE && (point.depth == 0 || is_the_only_way(photon));
+            is_seen |=
+                cosine >= LEAST_COSINE && (point.depth == 0 || is_found_by_photons_alone(photon));
         });
         is_seen
     }
@@ -184,7 +185,7 @@ impl<T: Traverse> VisiblePhotons<'_, T> {
             }
             if is_taken {
                 if pending > 0.0 {
-                    current.hand_on(pending, out);
+                    current.append_to(pending, out);
                 }
                 lists.swap(0, 1);
                 pending = 0.0;
@@ -195,7 +196,7 @@ impl<T: Traverse> VisiblePhotons<'_, T> {
             }
         }
         if pending > 0.0 {
-            lists[0].hand_on(pending, out);
+            lists[0].append_to(pending, out);
         }
         counts
     }
@@ -221,6 +222,6 @@ impl<T: Traverse> VisiblePhotons<'_, T> {
                 .tracer
                 .light_bounce(&mut walk, sampler, &hit, site, list);
         }
-        list.any(|position, photon| self.seen_by.sees(position, photon))
+        list.any(|position, photon| self.seen_by.is_gathered(position, photon))
     }
 }

@@ -28,7 +28,7 @@ use super::cache::{Photon, PhotonCache};
 use super::estimate::{KERNEL, for_photons_within, scattered};
 use super::nearest::USUAL_NEAREST;
 use super::schedule;
-use super::tracing::{PhotonTracer, is_the_only_way};
+use super::tracing::{PhotonTracer, is_found_by_photons_alone};
 use crate::math::{Rgb, float, vec3};
 use crate::path::rules::step;
 use crate::path::{
@@ -221,7 +221,8 @@ impl<'a> Progressive<'a> {
                 .depth
                 .saturating_add(walk.subpath.depth)
                 .saturating_add(1);
-            if !connector.allows_edges(edges) || only_unfound && !is_the_only_way(photon) {
+            if !connector.allows_edges(edges) || only_unfound && !is_found_by_photons_alone(photon)
+            {
                 return;
             }
             let value = scattered(connector, at, photon);

@@ -56,14 +56,14 @@ impl PhotonTracer<'_> {
         let at = site
             .interaction(direction)
             .regularized(connector.regularization.tau, connector.regularization.flags);
-        self.leave(walk, &at, store);
+        self.deposit(walk, &at, store);
         let h = connector.heuristic_at(at.point.position);
         walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
     }
 
     /// Keeps the photon of a walk where it has arrived, if a camera walk may gather it.
     #[inline]
-    pub fn leave<P: PhotonStore>(&self, walk: &Walk, at: &Interaction<'_>, store: &mut P) {
+    pub fn deposit<P: PhotonStore>(&self, walk: &Walk, at: &Interaction<'_>, store: &mut P) {
         let (point, direction) = (at.point, walk.subpath.ray.direction);
         let photon = Photon {
             direction: direction.to_array(),
@@ -83,13 +83,13 @@ impl PhotonTracer<'_> {
     #[inline]
     fn may_gather(&self, at: &Interaction<'_>, photon: &Photon) -> bool {
         at.is_connectable()
-            && (at.bsdf.roughness() >= self.least_roughness || is_the_only_way(photon))
+            && (at.bsdf.roughness() >= self.least_roughness || is_found_by_photons_alone(photon))
     }
 }
 
 /// Whether no camera walk meets the emitter of the photon's path and no emitter point can be connected: its walk went through
 /// discrete events alone from an emitter that no ray meets, so that its weights have nothing to sum.
 #[inline]
-pub fn is_the_only_way(photon: &Photon) -> bool {
+pub fn is_found_by_photons_alone(photon: &Photon) -> bool {
     photon.depth > 1 && photon.d_vcm == 0.0 && photon.d_vc == 0.0
 }

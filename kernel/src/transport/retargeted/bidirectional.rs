@@ -1,20 +1,20 @@
 //! Bidirectional path tracing, light tracing and vertex merging with edits.
 //!
-//! Both walks guess what edits of the other's flow have done ([`Arrival::guess`]) and let those of their own turn the directions that
+//! Both walks guess what edits of the other's flow have done ([`IncomingDirection::guess`]) and let those of their own turn the directions that
 //! they sample. A connection is made once for every pair of labels that its two ends allow, each a path of its own with its own
 //! densities and weight; the states of the walks say which share of it is selected so. Light walks do not meet lenses (t = 0):
 //! what the sensor sees of a vertex is not turned.
 
 use super::bounce::{arrive, scatter, towards};
 use crate::path::retarget_states::{EditStates, Edits};
-use crate::path::retargeted::{Arrival, Retargeted};
+use crate::path::retargeted::{IncomingDirection, Retargeted};
 use crate::path::rules::step;
 use crate::path::{Interaction, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::camera::CameraSample;
 use crate::scene::emitter::emission::EmissionSample;
 use crate::scene::{NONE, SceneView, Traverse};
-use crate::transport::bidirectional::{Bidirectional, VertexStore, Watcher};
+use crate::transport::bidirectional::{Bidirectional, PathObserver, VertexStore};
 use crate::transport::photon::merging::PassPhotons;
 use arrayvec::ArrayVec;
 
@@ -28,7 +28,7 @@ pub(super) struct LightVertices {
     /// The states before each.
     pub states: ArrayVec<EditStates, MAX_VERTICES>,
     /// How the walk has come to each.
-    pub arrivals: ArrayVec<Arrival, MAX_VERTICES>,
+    pub incoming: ArrayVec<IncomingDirection, MAX_VERTICES>,
 }
 
 /// The photons of a pass, and the states of their walks before they arrived.
@@ -40,9 +40,9 @@ pub struct EditedPhotons<'a> {
     pub states: &'a [EditStates],
 }
 
-/// The sample of both walks of [`crate::transport::bidirectional::sample_watched`] with edits, and photons to merge if there are
-/// any. The watcher is not asked for photons.
-pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
+/// The sample of both walks of [`crate::transport::bidirectional::sample_observed`] with edits, and photons to merge if there are
+/// any. The observer is not asked for photons.
+pub fn sample_observed<T: Traverse, S: Sampler, V: VertexStore>(
     view: &SceneView<'_, T>,
     algorithm: &Bidirectional<'_>,
     edits: &Edits<'_>,
@@ -51,7 +51,7 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
     camera_sampler: &mut S,
     seen: &CameraSample,
     store: &mut V,
-    watcher: &mut impl Watcher,
+    observer: &mut impl PathObserver,
 ) {
     let mut edited = Edited {
         view,
@@ -61,7 +61,7 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
         light: LightVertices {
             first: NONE,
             states: ArrayVec::new(),
-            arrivals: ArrayVec::new(),
+            incoming: ArrayVec::new(),
         },
         last: NONE,
         start: EmissionSample::NONE,
@@ -75,10 +75,10 @@ pub fn sample_watched<T: Traverse, S: Sampler, V: VertexStore>(
         edited.start = algorithm.emit(light_sampler);
     }
     if edited.start.is_some() {
-        edited.trace_light(light_sampler, store, watcher);
+        edited.trace_light(light_sampler, store, observer);
     }
     if algorithm.has_camera_walks {
-        edited.trace_camera(camera_sampler, seen, store, watcher);
+        edited.trace_camera(camera_sampler, seen, store, observer);
     }
 }
 
@@ -100,15 +100,15 @@ impl<T: Traverse> Edited<'_, '_, T> {
         &mut self,
         sampler: &mut S,
         store: &mut V,
-        watcher: &mut impl Watcher,
+        observer: &mut impl PathObserver,
     ) {
         let edits = self.edits;
         let algorithm = self.algorithm;
         let connector = &algorithm.connector;
-        watcher.begins(&self.start);
+        observer.light_walk_starts(&self.start);
         let own = algorithm.start(&self.start, sampler);
         if own.is_some() {
-            watcher.add(own);
+            observer.add(own);
         }
         let mut states = EditStates::at_emitter(edits, self.start.emitter);
         let mut walk = Walk::from_emitter(&self.start);
@@ -122,11 +122,11 @@ impl<T: Traverse> Edited<'_, '_, T> {
             if next != step::SCATTER {
                 continue;
             }
-            let arrival = arrive(connector, edits, &states, &walk, &mut site, sampler);
+            let incoming = arrive(connector, edits, &states, &walk, &mut site, sampler);
             let own = Retargeted {
                 edits,
                 states: &states,
-                arrival,
+                incoming,
                 label: 0,
                 is_free: true,
             };
@@ -141,7 +141,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
                         seen.value *= after.reach_sensor(edits);
                     }
                     if seen.is_some() {
-                        watcher.add_at(seen, &at);
+                        observer.add_at(seen, &at);
                     }
                 }
                 if algorithm.has_camera_walks {
@@ -149,7 +149,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
                     self.last = store.push(&walk.vertex(&hit, &at, self.last));
                     let has_room = self.last != NONE
                         && self.light.states.try_push(states).is_ok()
-                        && self.light.arrivals.try_push(arrival).is_ok();
+                        && self.light.incoming.try_push(incoming).is_ok();
                     if !has_room {
                         // What is kept no more is not connected.
                         self.last = before;
@@ -163,7 +163,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
                 ..own
             };
             let at = site.interaction(direction).retargeted(&own);
-            let watch = |walk: &Walk, at: &Interaction<'_>| watcher.scattered(walk, at);
+            let watch = |walk: &Walk, at: &Interaction<'_>| observer.scattered(walk, at);
             (next, states) = scatter(connector, &mut walk, &at, &own, sampler, watch);
         }
     }
@@ -173,7 +173,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         sampler: &mut S,
         seen: &CameraSample,
         store: &V,
-        watcher: &mut impl Watcher,
+        observer: &mut impl PathObserver,
     ) {
         let edits = self.edits;
         let algorithm = self.algorithm;
@@ -190,32 +190,32 @@ impl<T: Traverse> Edited<'_, '_, T> {
             let (found, after) = connector.arrive(&mut walk, &hit, &mut site);
             next = after;
             if found.max_element() > 0.0 {
-                let (mut met, emitter) = connector.met(found, depth, &hit, &site);
+                let (mut met, emitter) = connector.emitter_hit(found, depth, &hit, &site);
                 met.value *= states.reach_emitter(edits, emitter);
                 if met.is_some() {
-                    watcher.met(met, emitter);
+                    observer.emitter_hit(met, emitter);
                 }
             }
             if next != step::SCATTER {
                 continue;
             }
-            let arrival = arrive(connector, edits, &states, &walk, &mut site, sampler);
+            let incoming = arrive(connector, edits, &states, &walk, &mut site, sampler);
             let own = Retargeted {
                 edits,
                 states: &states,
-                arrival,
+                incoming,
                 label: 0,
                 is_free: false,
             };
             let at = site.interaction(direction).retargeted(&own);
             if at.is_connectable() && connector.strategies.shows_all() {
-                self.merge(&walk, &at, &own, watcher);
+                self.merge(&walk, &at, &own, observer);
             }
             if at.is_connectable() && connector.strategies.heuristic.connects {
-                self.light_up(&walk, &at, &own, sampler, watcher);
-                self.connect(&walk, &at, &own, &mut light_site, store, watcher);
+                self.light_up(&walk, &at, &own, sampler, observer);
+                self.connect(&walk, &at, &own, &mut light_site, store, observer);
             }
-            let watch = |walk: &Walk, at: &Interaction<'_>| watcher.scattered(walk, at);
+            let watch = |walk: &Walk, at: &Interaction<'_>| observer.scattered(walk, at);
             (next, states) = scatter(connector, &mut walk, &at, &own, sampler, watch);
         }
     }

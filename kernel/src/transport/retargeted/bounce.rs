@@ -3,7 +3,7 @@
 use crate::bsdf::mode;
 use crate::path::retarget::MAX_EDITS;
 use crate::path::retarget_states::{EditStates, Edits};
-use crate::path::retargeted::{Arrival, Retargeted};
+use crate::path::retargeted::{IncomingDirection, Retargeted};
 use crate::path::rules::step;
 use crate::path::walk::LABEL_SHIFT;
 use crate::path::{Connector, Interaction, Scattered, ShadingPoint, Walk};
@@ -37,12 +37,12 @@ pub fn light_bounce<S: Sampler, P: EditedStore>(
         return next;
     }
     store.set_states(states);
-    tracer.leave(walk, &site.interaction(direction), store);
-    let arrival = arrive(connector, edits, states, walk, site, sampler);
+    tracer.deposit(walk, &site.interaction(direction), store);
+    let incoming = arrive(connector, edits, states, walk, site, sampler);
     let own = Retargeted {
         edits,
         states,
-        arrival,
+        incoming,
         label: 0,
         is_free: false,
     };
@@ -60,17 +60,17 @@ pub(super) fn arrive<S: Sampler>(
     walk: &Walk,
     site: &mut ShadingPoint,
     sampler: &mut S,
-) -> Arrival {
+) -> IncomingDirection {
     let back = -walk.subpath.ray.direction;
     if walk.mode == mode::RADIANCE && walk.subpath.depth == 0 {
-        return Arrival::straight(back);
+        return IncomingDirection::unedited(back);
     }
     let (point, bsdf) = (&site.point, &site.bsdf);
-    let arrival = Arrival::guess(edits, states, point, bsdf, back, || sampler.next_1d());
-    if arrival.choice.label != 0 {
-        site.look_up(connector.tables, -arrival.back);
+    let incoming = IncomingDirection::guess(edits, states, point, bsdf, back, || sampler.next_1d());
+    if incoming.choice.label != 0 {
+        site.look_up(connector.tables, -incoming.back);
     }
-    arrival
+    incoming
 }
 
 /// Scatters at a vertex; returns what is next, one of [`step`], and the states then. `watch` hears of the vertex and says whether the walk

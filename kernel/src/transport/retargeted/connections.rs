@@ -10,7 +10,7 @@ use crate::path::{Contribution, Interaction, LightEnd, ShadingPoint, Walk};
 use crate::regularize::mollifier;
 use crate::sampler::Sampler;
 use crate::scene::{NONE, Traverse};
-use crate::transport::bidirectional::{VertexStore, Watcher};
+use crate::transport::bidirectional::{PathObserver, VertexStore};
 use crate::transport::photon::estimate::{KERNEL, for_photons_within, incidence};
 use crate::transport::photon::merging::merging_weight;
 
@@ -22,7 +22,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         at: &Interaction<'_>,
         own: &Retargeted<'_>,
         sampler: &mut S,
-        watcher: &mut impl Watcher,
+        observer: &mut impl PathObserver,
     ) {
         let connector = &self.algorithm.connector;
         let position = at.point.position;
@@ -33,13 +33,13 @@ impl<T: Traverse> Edited<'_, '_, T> {
         for label in labels_of(own, at.point, light.direction) {
             let own = Retargeted { label, ..*own };
             let at = at.retargeted(&own);
-            let mut lit = connector.lit(walk, &at, &light, &point);
+            let mut lit = connector.next_event_with(walk, &at, &light, &point);
             if lit.is_some() {
                 let after = towards(connector, &at, &own, light.direction);
                 lit.value *= after.reach_emitter(self.edits, light.emitter);
             }
             if lit.is_some() {
-                watcher.add_at(lit, &at);
+                observer.add_at(lit, &at);
             }
         }
     }
@@ -52,7 +52,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         own: &Retargeted<'_>,
         site: &mut ShadingPoint,
         store: &V,
-        watcher: &mut impl Watcher,
+        observer: &mut impl PathObserver,
     ) {
         let connector = &self.algorithm.connector;
         let facing = at.facing();
@@ -66,14 +66,14 @@ impl<T: Traverse> Edited<'_, '_, T> {
             }
             let direction = (vec3(vertex.position) - at.point.position).normalize();
             let arrived = vertex.look_up(connector.tables, site);
-            let arrival = self.light.arrivals[kept];
-            if arrival.choice.label != 0 {
-                site.look_up(connector.tables, -arrival.back);
+            let incoming = self.light.incoming[kept];
+            if incoming.choice.label != 0 {
+                site.look_up(connector.tables, -incoming.back);
             }
             let of_light = Retargeted {
                 edits: self.edits,
                 states: &self.light.states[kept],
-                arrival,
+                incoming,
                 label: 0,
                 is_free: false,
             };
@@ -96,7 +96,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
                     let behind = towards(connector, &at, &own, direction);
                     joined.value *= before.join(&behind);
                     if joined.is_some() {
-                        watcher.add_between(joined, &light_at, &at);
+                        observer.add_between(joined, &light_at, &at);
                     }
                 }
             }
@@ -109,7 +109,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         walk: &Walk,
         at: &Interaction<'_>,
         own: &Retargeted<'_>,
-        watcher: &mut impl Watcher,
+        observer: &mut impl PathObserver,
     ) {
         let Some(photons) = self.photons else {
             return;
@@ -158,7 +158,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
                     t: walk.subpath.depth + 2,
                     ..Contribution::NONE
                 };
-                watcher.met(met, NONE);
+                observer.emitter_hit(met, NONE);
             }
         });
     }

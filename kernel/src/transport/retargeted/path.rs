@@ -1,14 +1,14 @@
 //! Path tracing with edits.
 //!
 //! Edits of importance turn the directions that a walk samples. For those of light it guesses whether the direction back to where
-//! it came from had been turned ([`Arrival::guess`]), and counts what it finds by the share of its path that is selected so. The two
+//! it came from had been turned ([`IncomingDirection::guess`]), and counts what it finds by the share of its path that is selected so. The two
 //! techniques for light, BSDF samples and emitter samples, are weighted by their densities of the same labelled path.
 
 use crate::bsdf::{Bsdf, BsdfSample, event, mode};
 use crate::math::{Ray, Rgb};
 use crate::path::retarget::MAX_EDITS;
 use crate::path::retarget_states::{EditStates, Edits};
-use crate::path::retargeted::{Arrival, Retargeted};
+use crate::path::retargeted::{IncomingDirection, Retargeted};
 use crate::path::rules::step;
 use crate::path::{Interaction, PathExpressions, PathRules, PathStates, Scattered};
 use crate::sampler::Sampler;
@@ -76,19 +76,19 @@ pub fn radiance<T: Traverse, S: Sampler>(
         }
         let back = -subpath.ray.direction;
         bsdf.look_up(tables, &point, point.frame.to_local(back), mode::RADIANCE);
-        let arrival = if subpath.depth == 0 {
-            Arrival::straight(back)
+        let incoming = if subpath.depth == 0 {
+            IncomingDirection::unedited(back)
         } else {
-            Arrival::guess(edits, &states, &point, &bsdf, back, || sampler.next_1d())
+            IncomingDirection::guess(edits, &states, &point, &bsdf, back, || sampler.next_1d())
         };
-        if arrival.choice.label != 0 {
-            let wi = point.frame.to_local(arrival.back);
+        if incoming.choice.label != 0 {
+            let wi = point.frame.to_local(incoming.back);
             bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         }
         let own = Retargeted {
             edits,
             states: &states,
-            arrival,
+            incoming,
             label: 0,
             is_free: false,
         };
@@ -136,7 +136,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
         let mut label = 0;
         if sample.pdf > 0.0 && sample.event & event::NULL == 0 {
             let sampled = point.frame.to_world(sample.wo).normalize();
-            let departure = at.depart(tables, &sample, sampled, sampler);
+            let departure = at.outgoing(tables, &sample, sampled, sampler);
             label = departure.label;
             turned = BsdfSample {
                 weight: sample.weight * (departure.value / departure.pdf),

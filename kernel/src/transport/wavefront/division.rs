@@ -55,7 +55,7 @@ impl WaveDivision<'_> {
             let index = queued.index(k);
             let found = core::mem::take(&mut radiance[index]);
             let (path, parts) = self.path(index);
-            path.met(&expressions, found, tables.info.environment, parts);
+            path.emitter_hit(&expressions, found, tables.info.environment, parts);
         }
     }
 
@@ -76,7 +76,7 @@ impl WaveDivision<'_> {
             let (path, parts) = self.path(index);
             let point = lanes.points.get(k);
             let found = core::mem::take(&mut radiance[index]);
-            path.met(&expressions, found, point.emitter, parts);
+            path.emitter_hit(&expressions, found, point.emitter, parts);
             let wi = lanes.points.wi.get(k);
             if may_be_lit && shadow_rays.is_lit(k) {
                 let light = lanes.lights.get(k);
@@ -97,10 +97,10 @@ impl WaveDivision<'_> {
 
     /// A shadow ray of a path has met nothing.
     #[inline(always)]
-    pub(super) fn lit(&mut self, index: usize, found: Rgb) {
+    pub(super) fn add_direct(&mut self, index: usize, found: Rgb) {
         let expressions = self.expressions;
         let (path, parts) = self.path(index);
-        path.lit(&expressions, found, parts);
+        path.add_direct(&expressions, found, parts);
     }
 
     /// Multiplies the parts of a path, and returns what counts of it: the whole, or the part that nothing else counts beside.

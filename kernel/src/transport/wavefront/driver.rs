@@ -268,7 +268,7 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
             if let Some(division) = division {
                 for j in (0..count.min(N)).filter(|j| !self.hits.is_hit(*j)) {
                     let i = (self.traced.index[j] as usize).min(N - 1);
-                    division.lit(i, self.traced.radiance.get(j));
+                    division.add_direct(i, self.traced.radiance.get(j));
                 }
                 return;
             }
@@ -280,7 +280,7 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
             let light = self.traced.radiance.get(j) * transmittance(view, self.traced.rays.get(j));
             let i = (self.traced.index[j] as usize).min(N - 1);
             match &mut division {
-                Some(division) => division.lit(i, light),
+                Some(division) => division.add_direct(i, light),
                 None => self.radiance[i] += light,
             }
         }

@@ -8,7 +8,7 @@ use super::segment::Segment;
 use crate::bsdf::Lobe;
 use crate::bsdf::lobe::{is_flipped, mirrored};
 use crate::bsdf::microfacet::beckmann::VisibleSlope;
-use crate::bsdf::rough_dielectric::above;
+use crate::bsdf::rough_dielectric::to_upper_hemisphere;
 use crate::scene::distribution;
 use crate::simd::lanes::Vec3Lanes;
 use crate::simd::{SimdLevel, multiversioned};
@@ -73,7 +73,7 @@ impl<const N: usize> NormalLanes<N> {
 /// The direction from which the normals of a rough lobe are visible.
 #[inline(always)]
 fn viewer(lobe: &Lobe, wi: Vec3) -> Vec3 {
-    above(mirrored(is_flipped(lobe, wi), wi))
+    to_upper_hemisphere(mirrored(is_flipped(lobe, wi), wi))
 }
 
 multiversioned! {

@@ -32,7 +32,7 @@ pub fn matched(expressions: &PathExpressions<'_>, path: &RecordedPath) -> u32 {
                     shape: vertex.object,
                     ..SurfacePoint::ZERO
                 };
-                expressions.letter(expressions.place(&point), kind)
+                expressions.letter(expressions.first_letter(&point), kind)
             }
         };
         state = automaton.after(state, letter);

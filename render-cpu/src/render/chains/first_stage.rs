@@ -30,7 +30,7 @@ pub fn first_stage<A: ChainAlgorithm>(algorithm: &A, size: [u32; 2], offset: [u3
         .map(|chunk| {
             let mut found = Vec::new();
             for candidate in chunk * CHUNK..(chunk + 1) * CHUNK {
-                algorithm.look(candidate, &mut |film, weight| {
+                algorithm.candidate_luminances(candidate, &mut |film, weight| {
                     if weight.is_finite() {
                         found.push((cell(film, offset, columns, count), weight));
                     }

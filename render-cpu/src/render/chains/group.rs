@@ -193,7 +193,7 @@ fn weigh<A: ChainAlgorithm>(algorithm: &A, count: u32) -> Vec<Weighed> {
             let mut found = Vec::new();
             for candidate in chunk * CHUNK..count.min((chunk + 1) * CHUNK) {
                 let mut member = 0;
-                algorithm.weigh(candidate, &mut |weight| {
+                algorithm.candidate_weights(candidate, &mut |weight| {
                     if weight > 0.0 && weight.is_finite() {
                         found.push(Weighed {
                             candidate,

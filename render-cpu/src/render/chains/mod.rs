@@ -158,7 +158,7 @@ pub fn render_groups<T: Traverse + Sync>(
             first_stage(&chains.annealed(of_first), size, offset)
         } else {
             let chains = VeachChains::new(view, settings, min_edges, options.seed, PILOT);
-            let chains = chains.beside(beside.map(|beside| beside.remainder));
+            let chains = chains.with_path_tracing(beside.map(|beside| beside.remainder));
             first_stage(&chains.annealed(of_first), size, offset)
         }
     });
@@ -183,7 +183,7 @@ pub fn render_groups<T: Traverse + Sync>(
                 let chains = VeachChains::new(view, settings, min_edges, options.seed, group);
                 let division = followed.division;
                 let chains = chains.divided(division.map(|division| division.expressions));
-                let chains = chains.beside(beside.map(|beside| beside.remainder));
+                let chains = chains.with_path_tracing(beside.map(|beside| beside.remainder));
                 let chains = chains.annealed(annealing(view, settings, group));
                 let chains = chains.with_importance(importance);
                 add_group(

@@ -47,17 +47,17 @@ impl<'a> Adaptive<'a> {
         path: &mut WholeDensities,
         site: &mut ShadingPoint,
     ) {
-        diffusion.travel(node.behind.edge);
+        diffusion.travel(node.summary.edge);
         let mut index = node.vertex.previous;
         while let Some(node) = nodes.get(index as usize) {
             let tau = self.regularization.threshold(&diffusion);
             let tables = self.unweighted.tables;
-            let vertex = node.passed_below(tables, &self.regularization, tau, site);
+            let vertex = node.inner_vertex_below(tables, &self.regularization, tau, site);
             if path.inner.try_push(vertex).is_err() {
                 return;
             }
-            diffusion.scatter(node.left.bound, node.curvature);
-            diffusion.travel(node.behind.edge);
+            diffusion.scatter(node.scattering.bound, node.curvature);
+            diffusion.travel(node.summary.edge);
             index = node.vertex.previous;
         }
     }
@@ -90,7 +90,7 @@ impl<'a> Adaptive<'a> {
         path.first = node.first;
         let mut node = Some(node);
         while let Some(own) = node {
-            if path.inner.try_push(own.passed()).is_err() {
+            if path.inner.try_push(own.inner_vertex()).is_err() {
                 return false;
             }
             node = nodes.get(own.vertex.previous as usize);

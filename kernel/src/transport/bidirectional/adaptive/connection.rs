@@ -37,7 +37,7 @@ impl Adaptive<'_> {
             camera.node.bound_towards(at, direction),
             node.bound_towards(&light_at, -direction),
         );
-        let share = if !camera.node.behind.any_raised && !node.behind.any_raised {
+        let share = if !camera.node.summary.any_raised && !node.summary.any_raised {
             0.0
         } else if node.is_infinite {
             self.regularization

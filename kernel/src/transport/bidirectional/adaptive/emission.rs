@@ -31,7 +31,7 @@ impl Adaptive<'_> {
             t: walk.subpath.depth + 2,
             ..Contribution::NONE
         };
-        let raised = last.filter(|node| node.behind.any_raised);
+        let raised = last.filter(|node| node.summary.any_raised);
         let Some(last) = raised else {
             let (value, next) = connector.arrive(walk, hit, site);
             add(Contribution { value, ..met });
@@ -59,11 +59,11 @@ impl Adaptive<'_> {
         let edge = (point.position - before.subpath.position).length();
         let emission = emission_bound(tables, emitter);
         let q = if hit.is_hit() {
-            let mut quality = last.quality(last.left.bound);
-            quality.add(last.left.bound, emission, edge);
+            let mut quality = last.quality(last.scattering.bound);
+            quality.add(last.scattering.bound, emission, edge);
             quality.value()
         } else {
-            quality_at_infinity(last.left.bound, emission)
+            quality_at_infinity(last.scattering.bound, emission)
         };
         let share = self.regularization.share(q);
         if share < 1.0 {
@@ -90,7 +90,7 @@ impl Adaptive<'_> {
     }
 
     /// Next event estimation, or a connection to the start of the light walk.
-    pub(super) fn lit<S: Sampler>(
+    pub(super) fn next_event<S: Sampler>(
         &self,
         buffers: &mut StrategyBuffers<'_>,
         camera: &CameraVertex<'_, '_>,
@@ -107,7 +107,7 @@ impl Adaptive<'_> {
         }
         let bound = camera.node.bound_towards(camera.at, light.direction);
         let emission = emission_bound(tables, light.emitter);
-        let share = if !camera.node.behind.any_raised {
+        let share = if !camera.node.summary.any_raised {
             0.0
         } else if light.distance < f32::MAX {
             let mut quality = camera.node.quality(bound);
@@ -118,7 +118,7 @@ impl Adaptive<'_> {
                 .share(quality_at_infinity(bound, emission))
         };
         if share < 1.0 {
-            let found = connector.lit(camera.walk, camera.at, &light, &point);
+            let found = connector.next_event_with(camera.walk, camera.at, &light, &point);
             add(found.times(1.0 - share));
         }
         if !(share > 0.0) {
@@ -127,7 +127,9 @@ impl Adaptive<'_> {
         let hat = camera
             .at
             .regularized(camera.node.tau, self.regularization.flags);
-        let found = self.unweighted.lit(camera.walk, &hat, &light, &point);
+        let found = self
+            .unweighted
+            .next_event_with(camera.walk, &hat, &light, &point);
         if !found.is_some() {
             return;
         }

@@ -31,7 +31,7 @@ impl Adaptive<'_> {
         }
         let first = seen.importance * camera::pixels_per_window_pixel(&tables.camera);
         let bound = node.bound_towards(at, seen.direction);
-        let share = if !node.behind.any_raised {
+        let share = if !node.summary.any_raised {
             0.0
         } else if node.is_infinite {
             self.regularization.share(node.quality_from_infinity(bound))

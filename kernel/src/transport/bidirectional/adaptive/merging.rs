@@ -36,7 +36,7 @@ impl Adaptive<'_> {
             let node = &photons.nodes[photon.beside as usize];
             let direction = -vec3(photon.direction);
             let bound = camera.node.bound_towards(at, direction);
-            let is_raised = camera.node.behind.any_raised || node.behind.any_raised;
+            let is_raised = camera.node.summary.any_raised || node.summary.any_raised;
             let share = if !is_raised {
                 0.0
             } else if node.is_infinite {

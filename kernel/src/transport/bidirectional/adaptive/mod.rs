@@ -34,4 +34,4 @@ mod sample;
 
 pub use algorithm::Adaptive;
 pub use photon::photon_bounce;
-pub use records::{AdaptivePhotons, AdaptiveRoom, MAX_EDGES, NodeStore};
+pub use records::{AdaptivePhotons, AdaptiveWorkspace, MAX_EDGES, NodeStore};

@@ -41,13 +41,13 @@ pub fn photon_bounce<S: Sampler, P: NodeStore>(
     );
     let index = store.push_node(&node);
     // As it may be gathered where it is regularised most.
-    tracer.leave(walk, &at.regularized(own.tau, own.flags), store);
+    tracer.deposit(walk, &at.regularized(own.tau, own.flags), store);
     let h = connector.heuristic_at(at.point.position);
     let depth = walk.subpath.depth;
     let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
     if next == step::TRACE && walk.subpath.depth > depth {
         if let Some(node) = store.node_mut(index) {
-            node.leave(tables, own, &at, walk);
+            node.record_scattering(tables, own, &at, walk);
         }
         *last = index;
     }

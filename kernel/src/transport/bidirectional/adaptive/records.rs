@@ -17,17 +17,17 @@ pub const MAX_EDGES: u32 = MAX_INNER as u32;
 const MAX_NODES: usize = 2 * MAX_INNER;
 
 /// Room for the two subpaths of a sample.
-pub struct AdaptiveRoom {
+pub struct AdaptiveWorkspace {
     pub(super) light: ArrayVec<PathNode, MAX_NODES>,
     pub(super) camera: ArrayVec<PathNode, MAX_NODES>,
     pub(super) points: ConnectedPoints,
     pub(super) path: WholeDensities,
 }
 
-impl AdaptiveRoom {
+impl AdaptiveWorkspace {
     /// Empty.
-    pub fn new() -> AdaptiveRoom {
-        AdaptiveRoom {
+    pub fn new() -> AdaptiveWorkspace {
+        AdaptiveWorkspace {
             light: ArrayVec::new(),
             camera: ArrayVec::new(),
             points: ConnectedPoints::NONE,
@@ -41,9 +41,9 @@ impl AdaptiveRoom {
     }
 }
 
-impl Default for AdaptiveRoom {
-    fn default() -> AdaptiveRoom {
-        AdaptiveRoom::new()
+impl Default for AdaptiveWorkspace {
+    fn default() -> AdaptiveWorkspace {
+        AdaptiveWorkspace::new()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The two walks of one sample, whose vertices are kept.
 
 use super::algorithm::Adaptive;
-use super::records::{AdaptivePhotons, AdaptiveRoom, CameraVertex, StrategyBuffers};
+use super::records::{AdaptivePhotons, AdaptiveWorkspace, CameraVertex, StrategyBuffers};
 use crate::math::float;
 use crate::path::path_node::PathNode;
 use crate::path::rules::step;
@@ -22,25 +22,25 @@ impl Adaptive<'_> {
         photons: Option<&AdaptivePhotons<'_>>,
         (light_sampler, camera_sampler): (&mut S, &mut S),
         seen: &CameraSample,
-        room: &mut AdaptiveRoom,
+        workspace: &mut AdaptiveWorkspace,
         mut add: impl FnMut(Contribution),
     ) {
         let rules = self.algorithm.connector.rules;
-        let mut hand_on = |mut found: Contribution| {
+        let mut add_unoccluded = |mut found: Contribution| {
             if found.is_some() {
                 found.value *= contribution_transmittance(view, &rules, &found);
                 add(found);
             }
         };
-        room.light.clear();
-        room.camera.clear();
+        workspace.light.clear();
+        workspace.camera.clear();
         if rules.max_depth == 0 {
             return;
         }
         let start = self.algorithm.emit(light_sampler);
         if start.is_some() {
-            hand_on(self.algorithm.start(&start, light_sampler));
-            self.light_walk(view, &start, light_sampler, room, &mut hand_on);
+            add_unoccluded(self.algorithm.start(&start, light_sampler));
+            self.light_walk(view, &start, light_sampler, workspace, &mut add_unoccluded);
         }
         if self.algorithm.has_camera_walks {
             self.camera_walk(
@@ -49,8 +49,8 @@ impl Adaptive<'_> {
                 &start,
                 camera_sampler,
                 seen,
-                room,
-                &mut hand_on,
+                workspace,
+                &mut add_unoccluded,
             );
         }
     }
@@ -60,7 +60,7 @@ impl Adaptive<'_> {
         view: &SceneView<'_, T>,
         start: &EmissionSample,
         sampler: &mut S,
-        room: &mut AdaptiveRoom,
+        workspace: &mut AdaptiveWorkspace,
         add: &mut impl FnMut(Contribution),
     ) {
         let connector = &self.algorithm.connector;
@@ -69,16 +69,18 @@ impl Adaptive<'_> {
         let mut walk = Walk::from_emitter(start);
         let mut last = NONE;
         let mut next = step::TRACE;
-        while next == step::TRACE && !room.light.is_full() {
+        while next == step::TRACE && !workspace.light.is_full() {
             sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
             let hit = view.traverse.closest_hit(&walk.subpath.ray);
             let direction = walk.subpath.ray.direction;
-            next = connector.arrive(&mut walk, &hit, &mut room.points.own).1;
+            next = connector
+                .arrive(&mut walk, &hit, &mut workspace.points.own)
+                .1;
             if next != step::SCATTER {
                 continue;
             }
-            let at = room.points.own.interaction(direction);
-            let before = (last, room.light.get(last as usize));
+            let at = workspace.points.own.interaction(direction);
+            let before = (last, workspace.light.get(last as usize));
             let node = PathNode::new(
                 tables,
                 strategies,
@@ -89,19 +91,19 @@ impl Adaptive<'_> {
                 before,
                 0.0,
             );
-            let index = room.light.len();
-            room.light.push(node);
+            let index = workspace.light.len();
+            workspace.light.push(node);
             if strategies.light_image && (at.is_connectable() || node.is_raised) {
                 let u_lens = self.algorithm.lens_numbers(sampler);
                 let buffers = StrategyBuffers {
-                    nodes: &room.light,
-                    path: &mut room.path,
-                    site: &mut room.points.light,
+                    nodes: &workspace.light,
+                    path: &mut workspace.path,
+                    site: &mut workspace.points.light,
                 };
                 self.seen_by_lens(buffers, index, &walk, &at, u_lens, add);
             }
-            next = self.scatter(&mut walk, sampler, &at, &mut room.light[index]);
-            if next == step::TRACE && room.light[index].is_left {
+            next = self.scatter(&mut walk, sampler, &at, &mut workspace.light[index]);
+            if next == step::TRACE && workspace.light[index].has_scattered {
                 last = index as u32;
             }
         }
@@ -114,7 +116,7 @@ impl Adaptive<'_> {
         start: &EmissionSample,
         sampler: &mut S,
         seen: &CameraSample,
-        room: &mut AdaptiveRoom,
+        workspace: &mut AdaptiveWorkspace,
         add: &mut impl FnMut(Contribution),
     ) {
         let connector = &self.algorithm.connector;
@@ -124,22 +126,22 @@ impl Adaptive<'_> {
         let mut last = NONE;
         let mut diffusion = PathDiffusion::SHARP;
         let mut next = step::TRACE;
-        room.path.sensor = walk.subpath.position;
-        while next == step::TRACE && !room.camera.is_full() {
+        workspace.path.sensor = walk.subpath.position;
+        while next == step::TRACE && !workspace.camera.is_full() {
             sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
             let hit = view.traverse.closest_hit(&walk.subpath.ray);
             let direction = walk.subpath.ray.direction;
-            let before = room.camera.get(last as usize);
+            let before = workspace.camera.get(last as usize);
             let buffers = StrategyBuffers {
-                nodes: &room.camera,
-                path: &mut room.path,
-                site: &mut room.points.own,
+                nodes: &workspace.camera,
+                path: &mut workspace.path,
+                site: &mut workspace.points.own,
             };
             next = self.arrive(buffers, &mut walk, &hit, before, add);
             if next != step::SCATTER {
                 continue;
             }
-            let at = room.points.own.interaction(direction);
+            let at = workspace.points.own.interaction(direction);
             let distance = (at.point.position - walk.subpath.position).length();
             let first = walk.pdf_first(tables, at.point, distance);
             let sensor_bound = if strategies.light_image {
@@ -169,29 +171,29 @@ impl Adaptive<'_> {
                     walk: &walk,
                     at: &at,
                     node: &node,
-                    before: &room.camera,
+                    before: &workspace.camera,
                     diffusion: arrived,
                 };
                 let mut buffers = StrategyBuffers {
-                    nodes: &room.light,
-                    path: &mut room.path,
-                    site: &mut room.points.light,
+                    nodes: &workspace.light,
+                    path: &mut workspace.path,
+                    site: &mut workspace.points.light,
                 };
                 if let Some(photons) = photons {
                     self.merge(&mut buffers, &own, photons, add);
                 }
-                self.lit(&mut buffers, &own, start, sampler, add);
-                for end in 0..room.light.len() {
+                self.next_event(&mut buffers, &own, start, sampler, add);
+                for end in 0..workspace.light.len() {
                     self.inner(&mut buffers, &own, end, add);
                 }
             }
-            let index = room.camera.len();
+            let index = workspace.camera.len();
             next = self.scatter(&mut walk, sampler, &at, &mut node);
-            room.camera.push(node);
-            if next == step::TRACE && node.is_left {
+            workspace.camera.push(node);
+            if next == step::TRACE && node.has_scattered {
                 last = index as u32;
                 diffusion = arrived;
-                diffusion.scatter(node.left.bound, node.curvature);
+                diffusion.scatter(node.scattering.bound, node.curvature);
             }
         }
     }
@@ -209,7 +211,7 @@ impl Adaptive<'_> {
         let depth = walk.subpath.depth;
         let next = walk.scatter(connector.tables, &connector.rules, h, sampler, at);
         if next == step::TRACE && walk.subpath.depth > depth {
-            node.leave(connector.tables, &self.regularization, at, walk);
+            node.record_scattering(connector.tables, &self.regularization, at, walk);
         }
         next
     }

@@ -3,7 +3,7 @@
 use super::super::algorithm::WalkCounts;
 use super::super::veach::candidate::join;
 use super::super::veach::{ChainPath, MAX_VERTICES};
-use super::path_chain::{PathChain, curved, place};
+use super::path_chain::{PathChain, curved, set_vertex};
 use super::reconnection::{Method, MovedEnd, Segment, options_of, reconnect};
 use crate::manifold::mutation::{density_factor, mutate, mutation_kind};
 use crate::manifold::walk::WalkOptions;
@@ -130,7 +130,7 @@ impl Closing<'_> {
         }
         for i in inner.clone() {
             y.vertices[i].event = x.vertices[i].event;
-            place(tables, &mut y.vertices[i], &found.vertices[i - low]);
+            set_vertex(tables, &mut y.vertices[i], &found.vertices[i - low]);
             of_y.vertices[i] = found.vertices[i - low];
         }
         clear_edges(y, low, high);
@@ -205,7 +205,7 @@ impl Closing<'_> {
         };
         for i in low + 1..high {
             y.vertices[i].event = x.vertices[i].event;
-            place(tables, &mut y.vertices[i], &found[i - low]);
+            set_vertex(tables, &mut y.vertices[i], &found[i - low]);
             of_y.vertices[i] = found[i - low];
         }
         clear_edges(y, low, high);

@@ -122,18 +122,18 @@ fn choose(plans: &Plans, k: usize, u: f32) -> Plan {
     others[at.min(others.len() - 1)]
 }
 
-/// A lobe of von Mises and Fisher's around a direction.
+/// A von Mises-Fisher lobe around a direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Turn {
+pub struct DirectionLobe {
     /// Concentration.
     pub kappa: f32,
 }
 
-impl Turn {
+impl DirectionLobe {
     /// With the peak lambda^2 times the density of the direction.
-    fn new(pdf: f32, lambda: f32) -> Turn {
+    fn new(pdf: f32, lambda: f32) -> DirectionLobe {
         let pdf = pdf.max(0.25 / PI).min(1e8);
-        Turn {
+        DirectionLobe {
             kappa: (2.0 * PI * pdf * lambda * lambda).max(1.0),
         }
     }
@@ -310,7 +310,7 @@ impl<T: Traverse> Perturbation<'_, T> {
             None => None,
         };
         y.clone_from(x);
-        let Some((ray, ln_there)) = self.turn(y, u) else {
+        let Some((ray, ln_there)) = self.perturb_direction(y, u) else {
             return 0.0;
         };
         let is_traced = if plan.is_from_sensor() {
@@ -393,7 +393,7 @@ impl<T: Traverse> Perturbation<'_, T> {
     }
 
     /// The first ray of the new path, and the logarithm of its density.
-    fn turn(&self, y: &mut ChainPath, u: Vec2) -> Option<(Ray, f32)> {
+    fn perturb_direction(&self, y: &mut ChainPath, u: Vec2) -> Option<(Ray, f32)> {
         let (x, plan) = (self.x, &self.plan);
         let tables = &self.tracer.view.tables;
         let window = &tables.camera;
@@ -405,8 +405,8 @@ impl<T: Traverse> Perturbation<'_, T> {
             return Some((ray, 0.0));
         }
         let old = self.direction(x);
-        let turn = Turn::new(direction_pdf(self.tracer, x, plan), self.lambda);
-        let new = turn.sample(old, u);
+        let lobe = DirectionLobe::new(direction_pdf(self.tracer, x, plan), self.lambda);
+        let new = lobe.sample(old, u);
         let start = &x.vertices[plan.a].point;
         let is_bare = plan.a == 0 && tables.emitters[x.emitter as usize].kind != emitter_kind::AREA;
         let ray = if is_bare {
@@ -414,7 +414,7 @@ impl<T: Traverse> Perturbation<'_, T> {
         } else {
             start.spawn(new)
         };
-        Some((ray, turn.ln_pdf(old, new)))
+        Some((ray, lobe.ln_pdf(old, new)))
     }
 
     /// Logarithm of the density with which the first ray of the old path would be proposed from the new one.
@@ -422,8 +422,8 @@ impl<T: Traverse> Perturbation<'_, T> {
         if self.plan.a == self.x.edges() {
             return 0.0;
         }
-        let turn = Turn::new(direction_pdf(self.tracer, y, &self.plan), self.lambda);
-        turn.ln_pdf(self.direction(y), self.direction(self.x))
+        let lobe = DirectionLobe::new(direction_pdf(self.tracer, y, &self.plan), self.lambda);
+        lobe.ln_pdf(self.direction(y), self.direction(self.x))
     }
 
     fn direction(&self, path: &ChainPath) -> Vec3 {

@@ -53,7 +53,7 @@ impl PathChain {
     }
 
     /// Hangs the frames of all half vectors on another vector.
-    pub fn hang(&mut self, reference: Vec3) {
+    pub fn set_frame_reference(&mut self, reference: Vec3) {
         for i in 1..self.len.saturating_sub(1) {
             self.vertices[i].reference = reference;
         }
@@ -146,7 +146,7 @@ impl ChainPair {
             (second, first)
         };
         if *kind == roughness + 1 {
-            of_x.hang(reference);
+            of_x.set_frame_reference(reference);
         } else {
             *kind = roughness + 1;
             of_x.set(tables, x, reference, roughness, bsdf);
@@ -200,7 +200,7 @@ fn surface_again<const DETAIL: u32>(
 }
 
 /// Puts a vertex of a path where a walk has found it; its event stays.
-pub fn place(tables: &Tables<'_>, vertex: &mut Vertex, found: &ChainVertex) {
+pub fn set_vertex(tables: &Tables<'_>, vertex: &mut Vertex, found: &ChainVertex) {
     let point = surface_again::<{ detail::TANGENTS }>(
         tables,
         found.position,

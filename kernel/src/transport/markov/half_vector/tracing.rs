@@ -82,7 +82,9 @@ pub fn trace_from_sensor<T: Traverse, S: Sampler>(
         let arrival = tracer.trace(&ray, j + 1 == k, sampler);
         let mut vertex = match arrival.point {
             Some(point) if j > 0 || point.emitter != NONE => Vertex::new(tables, &point),
-            None if j == 0 && tables.info.environment != NONE => Vertex::bare(tables, Vec3::ZERO),
+            None if j == 0 && tables.info.environment != NONE => {
+                Vertex::without_surface(tables, Vec3::ZERO)
+            }
             _ => return false,
         };
         if j == 0 {

@@ -15,7 +15,7 @@ const LARGEST_SHARE: f32 = 0.02;
 
 /// A path of a candidate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Probe {
+pub struct CandidatePath {
     /// Its weight I / p as a candidate.
     pub weight: f32,
     /// I.
@@ -27,12 +27,12 @@ pub struct Probe {
 }
 
 /// b(s): the mean of what is left over `candidates` candidates whose paths are `probes`.
-fn left(probes: &[Probe], largest: f32, candidates: u32, scale: f32) -> f64 {
+fn left(probes: &[CandidatePath], largest: f32, candidates: u32, scale: f32) -> f64 {
     let remainder = Remainder { scale };
     let sum: f64 = probes
         .iter()
         .map(|probe| {
-            let left = remainder.left(probe.luminance, probe.pdf, probe.edges);
+            let left = remainder.chain_share(probe.luminance, probe.pdf, probe.edges);
             f64::from(probe.weight.min(largest) * left)
         })
         .sum();
@@ -49,7 +49,7 @@ pub struct Balance {
 }
 
 /// The balance for `mutations` mutations per sample of path tracing. Path tracing keeps all that it finds if there are no probes.
-pub fn balance(probes: &[Probe], candidates: u32, mutations: f32) -> Balance {
+pub fn balance(probes: &[CandidatePath], candidates: u32, mutations: f32) -> Balance {
     let total: f32 = probes.iter().map(|probe| probe.weight).sum();
     if !(total > 0.0 && total < f32::MAX) || candidates == 0 {
         return Balance {

@@ -20,7 +20,8 @@
 
 use super::ChainPath;
 use super::candidate::{
-    Ends, append_from_light, begin_direct, begin_emission, join, may_be_seen, window_position,
+    ConnectionEnds, append_from_light, begin_direct, begin_emission, join, may_be_seen,
+    window_position,
 };
 use crate::bsdf::Bsdf;
 use crate::path::tracer::Tracer;
@@ -120,7 +121,7 @@ impl Change {
                 if s == 0 || !(pdf > 0.0) {
                     return pdf;
                 }
-                pdf / Ends::of(tables, y, s).count() as f32
+                pdf / ConnectionEnds::of(tables, y, s).count() as f32
             })
             .sum();
         self.probability(k, limits) * sum / y.luminance()
@@ -189,7 +190,7 @@ pub fn propose<T: Traverse, S: Sampler>(
             Some(point) if !is_light || point.emitter != NONE => Vertex::new(tables, &point),
             None if is_light && tables.info.environment != NONE => {
                 escaped = Some(ray.direction);
-                Vertex::bare(tables, Vec3::ZERO)
+                Vertex::without_surface(tables, Vec3::ZERO)
             }
             _ => return false,
         };
@@ -283,7 +284,7 @@ pub fn propose<T: Traverse, S: Sampler>(
     } else if y.edges() == 1 && !may_be_seen(tables, y.emitter) || !join(tracer, y, lit - 1) {
         return false;
     } else if y.blurring.radius > 0.0 {
-        let ends = Ends::of(tables, y, lit);
+        let ends = ConnectionEnds::of(tables, y, lit);
         let index = match ends.count() {
             0 => return false,
             1 => 0,

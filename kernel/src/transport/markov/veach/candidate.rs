@@ -4,7 +4,7 @@
 //! with which Russian roulette let its two walks live.
 //!
 //! With a target that is mollified, a connection makes a path with each of the ends blurred as well, if its materials allow that
-//! ([`Ends`]).
+//! ([`ConnectionEnds`]).
 
 use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::{Bsdf, mode};
@@ -108,7 +108,7 @@ pub fn paths<T: Traverse, S: Sampler>(
             last: from_sensor.last,
         }
     };
-    let lens = Vertex::bare(tables, ray.origin);
+    let lens = Vertex::without_surface(tables, ray.origin);
     let mut path = ChainPath::empty();
     path.u_lens = u_lens;
     path.blurring = blurring;
@@ -144,7 +144,7 @@ pub fn paths<T: Traverse, S: Sampler>(
             && tables.info.environment != NONE
         {
             path.vertices.clear();
-            let mut sky = Vertex::bare(tables, Vec3::ZERO);
+            let mut sky = Vertex::without_surface(tables, Vec3::ZERO);
             sky.transmittance = from_sensor.last.transmittance;
             sky.pass = from_sensor.last.pass;
             path.vertices.push(sky);
@@ -203,7 +203,7 @@ pub fn paths<T: Traverse, S: Sampler>(
 
 /// Which ends of the edge to vertex `s` make a path of one that is connected there.
 #[derive(Clone, Copy, Debug)]
-pub struct Ends {
+pub struct ConnectionEnds {
     /// Both scatter.
     smooth: bool,
     /// That at the light is blurred.
@@ -212,11 +212,11 @@ pub struct Ends {
     sensor: bool,
 }
 
-impl Ends {
+impl ConnectionEnds {
     /// Those of a path, whatever its events there.
-    pub fn of(tables: &Tables<'_>, path: &ChainPath, s: usize) -> Ends {
+    pub fn of(tables: &Tables<'_>, path: &ChainPath, s: usize) -> ConnectionEnds {
         if !(path.blurring.radius > 0.0) {
-            return Ends {
+            return ConnectionEnds {
                 smooth: true,
                 light: false,
                 sensor: false,
@@ -234,7 +234,7 @@ impl Ends {
             (bsdf.has_smooth(), bsdf.has_delta())
         };
         let (light, sensor) = (lobes(s - 1), lobes(s));
-        Ends {
+        ConnectionEnds {
             smooth: light.0 && sensor.0,
             light: light.1 && sensor.0,
             sensor: light.0 && sensor.1,
@@ -265,7 +265,7 @@ fn for_ends(
     s: usize,
     mut finish: impl FnMut(&mut ChainPath),
 ) {
-    let ends = Ends::of(tables, path, s);
+    let ends = ConnectionEnds::of(tables, path, s);
     for index in 0..ends.count() {
         let blurred = ends.choose(s, index);
         if let Some(i) = blurred {
@@ -318,7 +318,7 @@ pub fn begin_emission<T: Traverse>(
     path.vertices.push(if may_be_seen(tables, start.emitter) {
         Vertex::new(tables, &start.point)
     } else {
-        Vertex::bare(tables, start.point.position)
+        Vertex::without_surface(tables, start.point.position)
     });
 }
 
@@ -341,9 +341,9 @@ pub fn begin_direct<T: Traverse>(
     path.vertices.push(if may_be_seen(tables, light.emitter) {
         Vertex::new(tables, &point)
     } else if light.distance < f32::MAX {
-        Vertex::bare(tables, light.target)
+        Vertex::without_surface(tables, light.target)
     } else {
-        Vertex::bare(tables, Vec3::ZERO)
+        Vertex::without_surface(tables, Vec3::ZERO)
     });
     true
 }
@@ -372,7 +372,7 @@ pub fn join<T: Traverse>(tracer: &Tracer<'_, T>, path: &mut ChainPath, i: usize)
     } else {
         to.point.segment_to_surface(&from.point)
     };
-    match tracer.test(&segment, to_sensor) {
+    match tracer.segment(&segment, to_sensor) {
         Some(edge) => {
             path.vertices[i].transmittance = edge.transmittance;
             path.vertices[i].pass = edge.pass;

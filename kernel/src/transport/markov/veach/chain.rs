@@ -144,11 +144,11 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
 impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
     type Chain = VeachChain;
 
-    fn weigh(&self, candidate: u32, add: &mut impl FnMut(f32)) {
+    fn candidate_weights(&self, candidate: u32, add: &mut impl FnMut(f32)) {
         self.candidate(candidate, |_, weight| add(weight));
     }
 
-    fn look(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32)) {
+    fn candidate_luminances(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32)) {
         self.candidate(candidate, |path, weight| {
             if weight > 0.0 {
                 add(path.film, weight / self.importance.at(path.film));

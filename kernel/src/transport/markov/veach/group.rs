@@ -1,6 +1,6 @@
 //! A group of chains of whole paths: what it looks for, and where its chains start.
 
-use super::balance::Probe;
+use super::balance::CandidatePath;
 use super::candidate;
 use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::Bsdf;
@@ -101,7 +101,7 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
 
     /// Beside path tracing, which keeps part of what it finds.
     #[must_use]
-    pub fn beside(mut self, remainder: Option<Remainder>) -> Self {
+    pub fn with_path_tracing(mut self, remainder: Option<Remainder>) -> Self {
         self.tracer.beside = remainder;
         self
     }
@@ -138,11 +138,11 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
     }
 
     /// Hands on what the choice of a remainder needs to know of the paths of a candidate.
-    pub fn probe(&self, candidate: u32, mut add: impl FnMut(Probe)) {
+    pub fn probe(&self, candidate: u32, mut add: impl FnMut(CandidatePath)) {
         let tables = &self.tracer.view.tables;
         self.candidate(candidate, |path, weight| {
             if weight > 0.0 && weight < f32::MAX {
-                add(Probe {
+                add(CandidatePath {
                     weight,
                     luminance: path.luminance(),
                     pdf: [0, 1].map(|s| path.strategy_pdf(tables, s, false)),

@@ -187,7 +187,7 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
                     y.emitter = point.emitter;
                 }
                 None if tables.info.environment != NONE => {
-                    y.vertices[0] = Vertex::bare(tables, Vec3::ZERO);
+                    y.vertices[0] = Vertex::without_surface(tables, Vec3::ZERO);
                     y.emitter = tables.info.environment;
                     y.to_light = ray.direction;
                 }

@@ -14,7 +14,7 @@ use crate::scene::build::texture::MeshAttributes;
 use crate::scene::color::ColorUse;
 use crate::scene::error::SceneError;
 use crate::scene::xml::{Object, ObjectKind};
-use halflight_kernel::bsdf::hanrahan_krueger::{LARGEST_DEPTH, given};
+use halflight_kernel::bsdf::hanrahan_krueger::{LARGEST_DEPTH, layer_parameters};
 use halflight_kernel::scene::{LobeRecord, RgbParameter, ScalarParameter, lobe_kind};
 
 /// Names, reduced scattering and absorption of red, green and blue light per millimetre: Jensen et al. 2001, "A Practical Model
@@ -69,13 +69,13 @@ impl Builder {
             }
             let sum = [0, 1, 2].map(|c| scattering[c] + absorption[c]);
             let albedo = [0, 1, 2].map(|c| scattering[c] / sum[c].max(f32::MIN_POSITIVE));
-            lobe.distribution = given::ALBEDO;
+            lobe.distribution = layer_parameters::ALBEDO;
             lobe.reflectance =
                 self.rgb_parameter(object, "albedo", ColorUse::Reflectance, albedo, mesh)?;
             lobe.specular_transmittance =
                 self.rgb_parameter(object, "sigma_t", usage, sum, mesh)?;
         } else {
-            lobe.distribution = given::DEPTHS;
+            lobe.distribution = layer_parameters::DEPTHS;
             lobe.reflectance = self.rgb_parameter(object, "sigma_s", usage, scattering, mesh)?;
             scale(&mut lobe.reflectance, thickness);
             lobe.specular_transmittance =

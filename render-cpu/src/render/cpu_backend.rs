@@ -2,10 +2,12 @@
 
 use super::backend::{Backend, PassEnd, PassError};
 use super::chains::render_groups;
-use super::divided_layers::{Followed, render_divided_layers};
+use super::divided_layers::render_divided_layers;
 use super::division::Division;
+use super::followed_samples::Followed;
 use super::options::{Outcome, RenderOptions, RunState};
 use super::own_layers::own_layers;
+use super::pass_context::PassContext;
 use super::passes::render_passes;
 use super::pilot::Pilots;
 use super::run_loop::{NoObserver, Observer, render_with};
@@ -18,11 +20,10 @@ use crate::film::{Film, FilmError};
 use crate::integrators::{Shape, divides_paths, shape};
 use crate::processor;
 use crate::scene::build::Scene;
-use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler, sampler_kind};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
+use halflight_kernel::transport::integrator_kind;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -140,23 +141,32 @@ impl Backend for CpuBackend<'_> {
                 is_adaptive,
             };
             return Ok(if is_sobol {
-                let new = SobolSampler::new;
-                render_divided_layers(
-                    &view, settings, followed, options, film, per_pixel, new, stop, pilots,
-                )
+                let pass = PassContext::new(&view, settings, options, stop, SobolSampler::new);
+                render_divided_layers(&pass, followed, film, per_pixel, pilots)
             } else {
-                let new = IndependentSampler::new;
-                render_divided_layers(
-                    &view, settings, followed, options, film, per_pixel, new, stop, pilots,
-                )
+                let pass =
+                    PassContext::new(&view, settings, options, stop, IndependentSampler::new);
+                render_divided_layers(&pass, followed, film, per_pixel, pilots)
             });
         }
         Ok(match shape(settings.kind) {
             Shape::Pixels => {
-                let kind = self.scene.sampler;
-                render_pass(
-                    &view, settings, division, edits, kind, options, film, per_pixel, counts, stop,
-                )
+                let job = TileJob {
+                    view: &view,
+                    settings,
+                    options,
+                    stop,
+                    division,
+                    edits,
+                    needs_surface: film.aovs().needs_surface(),
+                    simd: processor::simd_level(),
+                };
+                // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
+                if is_sobol {
+                    sample_tiles(&job, film, per_pixel, counts, SobolSampler::new)
+                } else {
+                    sample_tiles(&job, film, per_pixel, counts, IndependentSampler::new)
+                }
             }
             Shape::Splats | Shape::Passes | Shape::Chains if counts.is_some() => {
                 return Err(
@@ -171,24 +181,22 @@ impl Backend for CpuBackend<'_> {
                 return Err("the film has no layer for the statistics of photons".into());
             }
             Shape::Passes if is_sobol => {
-                let new = SobolSampler::new;
-                let radii = &self.pilots.radii;
-                render_passes(&view, settings, options, film, per_pixel, new, stop, radii)
+                let pass = PassContext::new(&view, settings, options, stop, SobolSampler::new);
+                render_passes(&pass, film, per_pixel, &self.pilots.radii)
             }
             Shape::Passes => {
-                let new = IndependentSampler::new;
-                let radii = &self.pilots.radii;
-                render_passes(&view, settings, options, film, per_pixel, new, stop, radii)
+                let pass =
+                    PassContext::new(&view, settings, options, stop, IndependentSampler::new);
+                render_passes(&pass, film, per_pixel, &self.pilots.radii)
             }
             Shape::Splats if is_sobol => {
-                let new = SobolSampler::new;
-                let pilot = &self.pilots.density;
-                render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
+                let pass = PassContext::new(&view, settings, options, stop, SobolSampler::new);
+                render_layers(&pass, film, per_pixel, &self.pilots.density)
             }
             Shape::Splats => {
-                let new = IndependentSampler::new;
-                let pilot = &self.pilots.density;
-                render_layers(&view, settings, options, film, per_pixel, new, stop, pilot)
+                let pass =
+                    PassContext::new(&view, settings, options, stop, IndependentSampler::new);
+                render_layers(&pass, film, per_pixel, &self.pilots.density)
             }
             Shape::Chains => {
                 let followed = Followed {
@@ -197,46 +205,15 @@ impl Backend for CpuBackend<'_> {
                     is_adaptive: false,
                 };
                 let importance = &self.importance;
-                render_groups(
-                    &view, settings, followed, options, film, per_pixel, stop, importance,
-                )
+                let new = IndependentSampler::new;
+                let pass = PassContext::new(&view, settings, options, stop, new);
+                render_groups(&pass, followed, film, per_pixel, importance)
             }
         })
     }
 }
 
-/// Adds `per_pixel` samples to every pixel, or `counts` where given.
-fn render_pass<T: Traverse + Sync>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    division: Option<Division<'_>>,
-    edits: Option<Edits<'_>>,
-    kind: u32,
-    options: &RenderOptions,
-    film: &mut Film,
-    per_pixel: u32,
-    counts: Option<&[u32]>,
-    stop: &Stop<'_>,
-) -> PassEnd {
-    let job = TileJob {
-        view,
-        settings,
-        options,
-        stop,
-        division,
-        edits,
-        needs_surface: film.aovs().needs_surface(),
-        simd: processor::simd_level(),
-    };
-    // Compiled once per sampler, so that numbers are drawn without a choice and a call each.
-    if kind == sampler_kind::SOBOL {
-        sample_tiles(&job, film, per_pixel, counts, SobolSampler::new)
-    } else {
-        sample_tiles(&job, film, per_pixel, counts, IndependentSampler::new)
-    }
-}
-
-/// [`render_pass`] with a sampler of (seed, pixel, sample).
+/// Adds `per_pixel` samples to every pixel, or `counts` where given; `new` makes the sampler of (seed, pixel, sample).
 fn sample_tiles<T: Traverse + Sync, S: LaneSampler + Send>(
     job: &TileJob<'_, T>,
     film: &mut Film,

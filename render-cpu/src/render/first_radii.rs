@@ -5,15 +5,13 @@
 
 use super::bidirectional_job::TileSamples;
 use super::film_tiles::{Tile, tile_samples, tiles};
+use super::pass_context::PassContext;
 use super::photon_job::Radii;
 use super::photon_pass::{Idle, PhotonTask};
-use super::stop::Stop;
 use crate::film::Film;
 use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::sampler::LaneSampler;
-use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
-use halflight_kernel::transport::IntegratorSettings;
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::nearest::nearest_distance;
 use halflight_kernel::transport::photon::progressive::{
@@ -40,19 +38,15 @@ impl FirstRadii {
     /// Those of a run, none where one radius is for all pixels; the first call finds them. Nothing if that is to stop.
     pub(super) fn of_run<'a, T: Traverse + Sync, S: LaneSampler + Send>(
         pilot: &'a OnceLock<FirstRadii>,
-        view: &SceneView<'_, T>,
-        settings: &IntegratorSettings,
-        seed: u32,
+        pass: &PassContext<'_, T, S>,
         film: &Film,
-        stop: &Stop<'_>,
-        new: &(impl Fn(u32, u32, u32) -> S + Sync),
     ) -> Option<Option<&'a FirstRadii>> {
-        let nearest = nearest_of_pixels(settings);
+        let nearest = nearest_of_pixels(pass.settings);
         if nearest == 0 {
             return Some(None);
         }
         if pilot.get().is_none() {
-            let found = FirstRadii::find(view, settings, nearest, seed, film, stop, new)?;
+            let found = FirstRadii::find(pass, nearest, film)?;
             // Nobody else sets it: a backend takes one pass at a time.
             let _ = pilot.set(found);
         }
@@ -60,15 +54,12 @@ impl FirstRadii {
     }
 
     fn find<T: Traverse + Sync, S: LaneSampler + Send>(
-        view: &SceneView<'_, T>,
-        settings: &IntegratorSettings,
+        pass: &PassContext<'_, T, S>,
         nearest: u32,
-        seed: u32,
         film: &Film,
-        stop: &Stop<'_>,
-        new: &(impl Fn(u32, u32, u32) -> S + Sync),
     ) -> Option<FirstRadii> {
-        let (seed, idle) = (seed ^ PILOT_STREAM, Idle::new());
+        let (view, settings, stop) = (pass.view, pass.settings, pass.stop);
+        let (seed, idle) = (pass.options.seed ^ PILOT_STREAM, Idle::new());
         let algorithm = Progressive::new(&view.tables, settings);
         let emitted = light_walks(&view.tables, settings);
         let task = PhotonTask {
@@ -81,7 +72,7 @@ impl FirstRadii {
             seed,
             index: 0,
         };
-        let sorted = task.trace(&idle, stop, new)?;
+        let sorted = task.trace(&idle, stop, &pass.new_sampler)?;
         let photons = PassPhotons {
             cache: sorted.view(),
             radius: 0.0,
@@ -97,7 +88,7 @@ impl FirstRadii {
                 if stop.is_urgent() {
                     return None;
                 }
-                let mut samples = tile_samples(view, seed, 0, tiles[i], new);
+                let mut samples = tile_samples(view, seed, 0, tiles[i], &pass.new_sampler);
                 let mut distances = vec![f32::NAN; samples.len()];
                 idle.with(|workspace| {
                     let radii = Radii::Found(&mut |i, at| {

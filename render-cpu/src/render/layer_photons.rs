@@ -1,9 +1,8 @@
 //! The regularisation of a layer, and the photons that vertex merging gathers in it.
 
-use super::options::RenderOptions;
+use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
-use super::stop::Stop;
 use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::path::{PathExpressions, PhotonDensity};
 use halflight_kernel::regularize::settings::Regularization;
@@ -26,17 +25,14 @@ pub(super) fn regularization<T: Traverse>(
 
 /// The photons that a layer merges.
 pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    options: &RenderOptions,
+    pass: &PassContext<'_, T, S>,
     layer: u32,
     density: PhotonDensity<'_>,
     expressions: Option<PathExpressions<'_>>,
     edits: Option<Edits<'_>>,
     idle: &Idle,
-    stop: &Stop<'_>,
-    new: &(impl Fn(u32, u32, u32) -> S + Sync),
 ) -> Option<SortedPhotons> {
+    let (view, settings) = (pass.view, pass.settings);
     let emitted = light_walks(&view.tables, settings);
     let radius = pass_radius(&view.tables, settings, layer);
     let own = regularization(view, settings, layer);
@@ -53,8 +49,8 @@ pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
         edits,
         adaptive,
         emitted,
-        seed: options.seed,
+        seed: pass.options.seed,
         index: layer,
     };
-    photons.trace(idle, stop, new)
+    photons.trace(idle, pass.stop, &pass.new_sampler)
 }

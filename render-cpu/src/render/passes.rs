@@ -8,18 +8,17 @@ use super::backend::PassEnd;
 use super::bidirectional_job::TileSamples;
 use super::film_tiles::{pixel, tile_samples, tiles};
 use super::first_radii::FirstRadii;
-use super::options::RenderOptions;
+use super::pass_context::PassContext;
 use super::photon_cache::{PhotonList, SortedPhotons};
 use super::photon_job::Radii;
 use super::photon_pass::{Idle, PhotonTask};
 use super::photon_statistics::{PixelStatistics, keep, statistics_of};
-use super::stop::Stop;
 use super::surface_sample::surface_sample;
 use crate::film::Film;
 use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::sampler::LaneSampler;
-use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::integrator_kind;
 use halflight_kernel::transport::photon::adaptive::next_radii;
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::metropolis::{ChainCounts, GatherPoints, VisiblePhotons};
@@ -27,7 +26,6 @@ use halflight_kernel::transport::photon::progressive::{
     Progressive, light_walks, pass_radius, radius_after,
 };
 use halflight_kernel::transport::photon::statistics::PhotonPass;
-use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use std::sync::OnceLock;
 
@@ -39,35 +37,28 @@ const CHAINS: u32 = 64;
 
 /// Adds `passes` samples to every pixel of the film, or fewer when it is to stop; a pass that is not complete is dropped.
 pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    options: &RenderOptions,
+    context: &PassContext<'_, T, S>,
     film: &mut Film,
     passes: u32,
-    new: impl Fn(u32, u32, u32) -> S + Sync,
-    stop: &Stop<'_>,
     pilot: &OnceLock<FirstRadii>,
 ) -> PassEnd {
     let idle = Idle::new();
-    let found = FirstRadii::of_run(pilot, view, settings, options.seed, film, stop, &new);
+    let found = FirstRadii::of_run(pilot, context, film);
     let Some(first) = found else {
         return PassEnd::Cut;
     };
     for taken in 0..passes {
-        if taken > 0 && stop.is_set() {
+        if taken > 0 && context.stop.is_set() {
             return PassEnd::Cut;
         }
-        let pass = options.first_sample.wrapping_add(film.pixel(0, 0).count);
+        let first_pass = context.options.first_sample;
         let pass = Pass {
-            view,
-            settings,
-            seed: options.seed,
-            index: pass,
+            context,
+            index: first_pass.wrapping_add(film.pixel(0, 0).count),
             first,
             idle: &idle,
-            stop,
         };
-        if pass.render(film, &new).is_none() {
+        if pass.render(film).is_none() {
             return PassEnd::Cut;
         }
     }
@@ -75,29 +66,23 @@ pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
 }
 
 /// A pass.
-struct Pass<'a, T: Traverse> {
-    view: &'a SceneView<'a, T>,
-    settings: &'a IntegratorSettings,
-    seed: u32,
+struct Pass<'a, T: Traverse, S> {
+    context: &'a PassContext<'a, T, S>,
     index: u32,
     first: Option<&'a FirstRadii>,
     idle: &'a Idle,
-    stop: &'a Stop<'a>,
 }
 
-impl<T: Traverse + Sync> Pass<'_, T> {
+impl<T: Traverse + Sync, S: LaneSampler + Send> Pass<'_, T, S> {
     /// Adds a sample to every pixel; nothing if it is to stop.
-    fn render<S: LaneSampler + Send>(
-        &self,
-        film: &mut Film,
-        new: &(impl Fn(u32, u32, u32) -> S + Sync),
-    ) -> Option<()> {
-        let (view, settings) = (self.view, self.settings);
+    fn render(&self, film: &mut Film) -> Option<()> {
+        let context = self.context;
+        let (view, settings, seed) = (context.view, context.settings, context.options.seed);
         let algorithm = Progressive::new(&view.tables, settings);
         let emitted = light_walks(&view.tables, settings);
         let radius = pass_radius(&view.tables, settings, self.index);
         let (sorted, emitted) = if settings.kind == integrator_kind::METROPOLIS_PHOTONS {
-            self.trace_visible(film, &algorithm, emitted, radius, new)?
+            self.trace_visible(film, &algorithm, emitted, radius)?
         } else {
             let photons = PhotonTask {
                 view,
@@ -106,10 +91,13 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 edits: None,
                 adaptive: None,
                 emitted,
-                seed: self.seed,
+                seed,
                 index: self.index,
             };
-            (photons.trace(self.idle, self.stop, new)?, emitted)
+            (
+                photons.trace(self.idle, context.stop, &context.new_sampler)?,
+                emitted,
+            )
         };
         let photons = PassPhotons {
             cache: sorted.view(),
@@ -122,10 +110,10 @@ impl<T: Traverse + Sync> Pass<'_, T> {
         let taken: Option<Vec<(TileSamples, Vec<PhotonPass>)>> = tiles(film, TILE)
             .into_par_iter()
             .map(|tile| {
-                if self.stop.is_urgent() {
+                if self.context.stop.is_urgent() {
                     return None;
                 }
-                let mut samples = tile_samples(view, self.seed, self.index, tile, new);
+                let mut samples = tile_samples(view, seed, self.index, tile, &context.new_sampler);
                 let radii = match self.first {
                     Some(first) if is_adaptive => {
                         let known = statistics.of_tile(tile).zip(first.of_tile(tile));
@@ -150,7 +138,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                         &mut out,
                     )
                 });
-                self.stop.took(samples.len());
+                self.context.stop.took(samples.len());
                 Some((out, sums))
             })
             .collect();
@@ -174,7 +162,7 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 }
                 if needs_surface {
                     let (position, index) = pixel(view, x, y);
-                    let sampler = new(self.seed, index, self.index);
+                    let sampler = (context.new_sampler)(seed, index, self.index);
                     entry.add_aovs(&surface_sample(view, sampler, position));
                 }
             }
@@ -183,24 +171,24 @@ impl<T: Traverse + Sync> Pass<'_, T> {
     }
 
     /// Photons where camera walks of the pass look, of `steps` steps of chains, and the number of light walks for which they stand.
-    fn trace_visible<S: LaneSampler + Send>(
+    fn trace_visible(
         &self,
         film: &Film,
         algorithm: &Progressive<'_>,
         steps: u32,
         radius: f32,
-        new: &(impl Fn(u32, u32, u32) -> S + Sync),
     ) -> Option<(SortedPhotons, u32)> {
-        let view = self.view;
+        let (view, seed) = (self.context.view, self.context.options.seed);
+        let new = &self.context.new_sampler;
         let points: Option<Vec<PhotonList>> = tiles(film, TILE)
             .into_par_iter()
             .map(|tile| {
-                if self.stop.is_urgent() {
+                if self.context.stop.is_urgent() {
                     return None;
                 }
-                let mut samples = tile_samples(view, self.seed, self.index, tile, new);
+                let mut samples = tile_samples(view, seed, self.index, tile, new);
                 Some(self.idle.with(|workspace| {
-                    workspace.gather_points(view, self.settings, algorithm, &mut samples)
+                    workspace.gather_points(view, self.context.settings, algorithm, &mut samples)
                 }))
             })
             .collect();
@@ -212,13 +200,13 @@ impl<T: Traverse + Sync> Pass<'_, T> {
                 points: points.view(),
                 radius,
             },
-            seed: self.seed,
+            seed,
             pass: self.index,
         };
         let found: Option<Vec<(PhotonList, ChainCounts)>> = (0..CHAINS)
             .into_par_iter()
             .map(|number| {
-                if self.stop.is_urgent() {
+                if self.context.stop.is_urgent() {
                     return None;
                 }
                 let mut photons = PhotonList::default();

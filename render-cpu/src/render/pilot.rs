@@ -5,18 +5,17 @@
 //! pass, and every pass of a run has the same. Cells are twice as wide as the first radius.
 
 use super::first_radii::FirstRadii;
+use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
-use super::stop::Stop;
 use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::path::photon_density::entry_of;
 use halflight_kernel::sampler::LaneSampler;
-use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::bidirectional::Bidirectional;
+use halflight_kernel::transport::integrator_kind;
 use halflight_kernel::transport::photon::merging::merging_tracer;
 use halflight_kernel::transport::photon::progressive::{first_radius, light_walks};
-use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use std::sync::OnceLock;
 
 /// Most light walks of a pilot pass.
@@ -55,17 +54,14 @@ impl PilotDensity {
     /// first call traces. No density if that is to stop.
     pub fn of_run<'a, T: Traverse + Sync, S: LaneSampler + Send>(
         pilot: &'a OnceLock<PilotDensity>,
-        view: &SceneView<'a, T>,
-        settings: &IntegratorSettings,
-        seed: u32,
-        stop: &Stop<'_>,
-        new: &(impl Fn(u32, u32, u32) -> S + Sync),
+        pass: &PassContext<'a, T, S>,
     ) -> Option<PhotonDensity<'a>> {
+        let (view, settings) = (pass.view, pass.settings);
         if settings.kind != integrator_kind::VERTEX_MERGING {
             return Some(PhotonDensity::unknown(&view.tables));
         }
         if pilot.get().is_none() {
-            let counted = PilotDensity::trace(view, settings, seed, stop, new)?;
+            let counted = PilotDensity::trace(pass)?;
             // Nobody else sets it: a backend takes one pass at a time.
             let _ = pilot.set(counted);
         }
@@ -74,12 +70,9 @@ impl PilotDensity {
 
     /// Counts the photons of a pilot pass; nothing if it is to stop.
     fn trace<T: Traverse + Sync, S: LaneSampler + Send>(
-        view: &SceneView<'_, T>,
-        settings: &IntegratorSettings,
-        seed: u32,
-        stop: &Stop<'_>,
-        new: &(impl Fn(u32, u32, u32) -> S + Sync),
+        pass: &PassContext<'_, T, S>,
     ) -> Option<PilotDensity> {
+        let (view, settings) = (pass.view, pass.settings);
         let algorithm = Bidirectional::new(&view.tables, settings);
         let emitted = light_walks(&view.tables, settings).min(MOST_WALKS);
         let pilot = PhotonTask {
@@ -89,11 +82,11 @@ impl PilotDensity {
             edits: None,
             adaptive: None,
             emitted,
-            seed: seed ^ PILOT_STREAM,
+            seed: pass.options.seed ^ PILOT_STREAM,
             index: 0,
         };
         let idle = Idle::new();
-        let photons = pilot.trace(&idle, stop, new)?;
+        let photons = pilot.trace(&idle, pass.stop, &pass.new_sampler)?;
         let width = RADII * first_radius(&view.tables, settings);
         Some(PilotDensity::of(&photons, emitted, width))
     }

@@ -11,22 +11,20 @@ use super::backend::PassEnd;
 use super::bidirectional_job::{BidirectionalWorkspace, RegularizedSamples, TileSamples};
 use super::film_tiles::{Tile, pixel, tile_samples, tiles};
 use super::layer_photons::{regularization, trace_photons};
-use super::options::RenderOptions;
+use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::Idle;
 use super::pilot::PilotDensity;
 use super::splat::{Splat, SplatFilter};
-use super::stop::Stop;
 use super::surface_sample::surface_sample;
 use crate::film::Film;
 use crate::film::aov::Aov;
 use glam::Vec3;
 use halflight_kernel::sampler::LaneSampler;
-use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
+use halflight_kernel::transport::integrator_kind;
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::{light_walks, pass_radius};
-use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -44,22 +42,19 @@ const PHOTONS_AT_A_TIME: u32 = 1 << 18;
 
 /// Adds `layers` samples to every pixel of the film, or fewer when it is to stop; a layer that is not complete is dropped.
 pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    options: &RenderOptions,
+    pass: &PassContext<'_, T, S>,
     film: &mut Film,
     layers: u32,
-    new: impl Fn(u32, u32, u32) -> S + Sync,
-    stop: &Stop<'_>,
     pilot: &OnceLock<PilotDensity>,
 ) -> PassEnd {
+    let (view, settings, options) = (pass.view, pass.settings, pass.options);
     let tiles = tiles(film, TILE);
     let mut together = (TILES_AT_A_TIME / tiles.len()).clamp(1, 64) as u32;
     let merges = settings.kind == integrator_kind::VERTEX_MERGING;
     if merges {
         together = together.min((PHOTONS_AT_A_TIME / light_walks(&view.tables, settings)).max(1));
     }
-    let density = PilotDensity::of_run(pilot, view, settings, options.seed, stop, &new);
+    let density = PilotDensity::of_run(pilot, pass);
     let Some(density) = density else {
         return PassEnd::Cut;
     };
@@ -77,18 +72,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         let layers_photons: Option<Vec<SortedPhotons>> = (0..if merges { count } else { 0 })
             .map(|layer| {
                 let layer = first.wrapping_add(layer);
-                trace_photons(
-                    view,
-                    settings,
-                    options,
-                    layer,
-                    density,
-                    None,
-                    None,
-                    &idle_tracers,
-                    stop,
-                    &new,
-                )
+                trace_photons(pass, layer, density, None, None, &idle_tracers)
             })
             .collect();
         let Some(layers_photons) = layers_photons else {
@@ -100,7 +84,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
             let taken: Option<Vec<TaskResult>> = (from..to)
                 .into_par_iter()
                 .map(|task| {
-                    if stop.is_urgent() {
+                    if pass.stop.is_urgent() {
                         return None;
                     }
                     let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
@@ -115,7 +99,8 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                         density,
                     });
                     let tile = tiles[task % tiles.len()];
-                    let mut samples = tile_samples(view, options.seed, layer, tile, &new);
+                    let mut samples =
+                        tile_samples(view, options.seed, layer, tile, &pass.new_sampler);
                     let mut out = TileSamples {
                         regularized: keeps_regularized.then(RegularizedSamples::default),
                         ..TileSamples::default()
@@ -130,7 +115,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                         &mut out,
                     );
                     lock().push(workspace);
-                    stop.took(samples.len());
+                    pass.stop.took(samples.len());
                     Some(TaskResult::new(tile, out, &filter, film.height()))
                 })
                 .collect();
@@ -143,19 +128,10 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                 begins: from == 0,
                 ends: to == tasks,
             };
-            add_part(
-                view,
-                options.seed,
-                first,
-                film,
-                &mut sums,
-                &filter,
-                &part,
-                &new,
-            );
+            add_part(pass, first, film, &mut sums, &filter, &part);
         }
         done += count;
-        if done < layers && stop.is_set() {
+        if done < layers && pass.stop.is_set() {
             return PassEnd::Cut;
         }
     }
@@ -236,14 +212,12 @@ struct Part<'a> {
 
 /// Adds a part to the sums of its layer, and layers that it ends, from `first` on, to the film.
 fn add_part<T: Traverse + Sync, S: LaneSampler>(
-    view: &SceneView<'_, T>,
-    seed: u32,
+    pass: &PassContext<'_, T, S>,
     first: u32,
     film: &mut Film,
     sums: &mut [Vec<[f32; 3]>],
     filter: &SplatFilter,
     part: &Part<'_>,
-    new: &(impl Fn(u32, u32, u32) -> S + Sync),
 ) {
     let needs_surface = film.aovs().needs_surface();
     let of_band = film.width() as usize * BAND as usize;
@@ -282,9 +256,10 @@ fn add_part<T: Traverse + Sync, S: LaneSampler>(
                     entry.add_regularized(whole, [own[i][0], own[i][1]]);
                 }
                 if needs_surface {
-                    let (pixel, index) = pixel(view, x, y);
-                    let sampler = new(seed, index, first.wrapping_add(layer as u32));
-                    entry.add_aovs(&surface_sample(view, sampler, pixel));
+                    let (pixel, index) = pixel(pass.view, x, y);
+                    let layer = first.wrapping_add(layer as u32);
+                    let sampler = (pass.new_sampler)(pass.options.seed, index, layer);
+                    entry.add_aovs(&surface_sample(pass.view, sampler, pixel));
                 }
             }
         }

@@ -27,15 +27,21 @@ const BATCH: usize = 512;
 /// Rows whose splats are added by one thread.
 const BAND: u32 = 16;
 
-/// What a group shall do.
+/// The size of a group, and what is kept of it.
 #[derive(Clone, Copy, Debug)]
-pub struct GroupSize {
+pub struct GroupPlan {
     /// Candidates.
     pub candidates: u32,
     /// Chains.
     pub chains: u32,
     /// Mutations of each chain.
     pub steps: u32,
+    /// Offset of the systematic resampling that chooses the starts, in [0, 1).
+    pub offset: f32,
+    /// Images: one of all light, and one for each part.
+    pub images: usize,
+    /// Whether pixels keep what became of the mutations of the paths that they see.
+    pub with_steps: bool,
 }
 
 /// What became of a group.
@@ -64,31 +70,27 @@ struct Task<C> {
     records: Vec<StepRecord>,
 }
 
-/// Runs a group for a window of `width` x `height` pixels; `offset` in [0, 1) chooses the starts. None
-/// when it must stop before.
+/// Runs a group for a window of `width` x `height` pixels. None when it must stop before.
 pub fn run<A: ChainAlgorithm>(
     algorithm: &A,
-    size: GroupSize,
-    offset: f32,
+    plan: GroupPlan,
     filter: &SplatFilter,
     [width, height]: [u32; 2],
-    images: usize,
-    with_steps: bool,
     stop: &Stop<'_>,
 ) -> Option<GroupImage> {
     let pixels = width as usize * height as usize;
     let mut image = GroupImage {
-        sums: vec![vec![[0.0; 3]; pixels]; images],
+        sums: vec![vec![[0.0; 3]; pixels]; plan.images],
         counts: vec![MutationCounts::default(); algorithm.mutations().len()],
-        steps: with_steps.then(|| vec![ChainSteps::default(); pixels]),
+        steps: plan.with_steps.then(|| vec![ChainSteps::default(); pixels]),
     };
-    let candidates = weigh(algorithm, size.candidates);
+    let candidates = weigh(algorithm, plan.candidates);
     let total: f64 = candidates.iter().map(|c| f64::from(c.weight)).sum();
     if !(total > 0.0) {
         return Some(image);
     }
-    let b = (total / f64::from(size.candidates)) as f32;
-    let starts = resample(&candidates, total, size.chains, offset);
+    let b = (total / f64::from(plan.candidates)) as f32;
+    let starts = resample(&candidates, total, plan.chains, plan.offset);
     let bands = height.div_ceil(BAND) as usize;
     for (batch, starts) in starts.chunks(BATCH).enumerate() {
         let numbers = (batch * BATCH) as u32..;
@@ -102,15 +104,15 @@ pub fn run<A: ChainAlgorithm>(
             })
             .collect();
         let mut done = 0;
-        while done < size.steps {
+        while done < plan.steps {
             if stop.is_urgent() {
                 return None;
             }
-            let round = ROUND.min(size.steps - done);
+            let round = ROUND.min(plan.steps - done);
             done += round;
-            let is_last = done == size.steps;
+            let is_last = done == plan.steps;
             // The share of this round in the group, which is one sample of every pixel.
-            let all = f64::from(size.steps) * f64::from(size.chains);
+            let all = f64::from(plan.steps) * f64::from(plan.chains);
             let share = f64::from(round) * tasks.len() as f64 / all;
             tasks.par_iter_mut().for_each(|task| {
                 let Task {
@@ -135,7 +137,7 @@ pub fn run<A: ChainAlgorithm>(
                 };
                 for _ in 0..round {
                     algorithm.step(chain, b, &mut add);
-                    if with_steps {
+                    if plan.with_steps {
                         records.extend(A::last_step(chain));
                     }
                 }

@@ -15,10 +15,10 @@ mod first_stage;
 mod group;
 
 use super::backend::PassEnd;
-use super::divided_layers::Followed;
+use super::followed_samples::Followed;
 use super::options::{Goal, RenderOptions};
+use super::pass_context::PassContext;
 use super::splat::SplatFilter;
-use super::stop::Stop;
 use super::surface_sample::surface_sample;
 use crate::film::Film;
 use crate::film::aov::Aov;
@@ -28,7 +28,7 @@ use crate::scene::build::Scene;
 use beside::Beside;
 use first_stage::{PILOT, first_stage};
 use glam::Vec3;
-use group::{GroupImage, GroupSize};
+use group::{GroupImage, GroupPlan};
 use halflight_kernel::path::PathRules;
 use halflight_kernel::path::expression::MAX_PARTS;
 use halflight_kernel::sampler::{FreshSamples, IndependentSampler};
@@ -113,16 +113,14 @@ fn direct_samples(settings: &IntegratorSettings, pixels: u32) -> u32 {
 
 /// Adds `groups` groups of chains to the film, or fewer when it is to stop; a group that is not complete is dropped. `importance` is
 /// what the first stage of a two-stage start has found for the run, once there is a group.
-pub fn render_groups<T: Traverse + Sync>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
+pub(super) fn render_groups<T: Traverse + Sync>(
+    pass: &PassContext<'_, T, IndependentSampler>,
     followed: Followed<'_>,
-    options: &RenderOptions,
     film: &mut Film,
     groups: u32,
-    stop: &Stop<'_>,
     importance: &OnceLock<Vec<f32>>,
 ) -> PassEnd {
+    let (view, settings, options) = (pass.view, pass.settings, pass.options);
     let own = &settings.chains;
     let pixels = film.width() * film.height();
     let min_edges = if direct_samples(settings, pixels) > 0 {
@@ -167,17 +165,21 @@ pub fn render_groups<T: Traverse + Sync>(
         let space = space.with_importance(importance);
         PrimaryChains::with_constant(space, own.p_large, of_first, options.seed)
     });
+    let job = |group, beside| GroupJob {
+        pass,
+        followed,
+        beside,
+        group,
+    };
     for group in first..first + groups {
-        if group > first && stop.is_set() {
+        if group > first && pass.stop.is_set() {
             return PassEnd::Cut;
         }
         let is_complete = match &of_samples {
             Some(chains) => {
                 let chains = chains.of_group(group);
                 let chains = chains.annealed(annealing(view, settings, group));
-                add_group(
-                    view, settings, followed, None, options, film, group, &chains, stop,
-                )
+                job(group, None).add(film, &chains)
             }
             None => {
                 let chains = VeachChains::new(view, settings, min_edges, options.seed, group);
@@ -186,9 +188,7 @@ pub fn render_groups<T: Traverse + Sync>(
                 let chains = chains.with_path_tracing(beside.map(|beside| beside.remainder));
                 let chains = chains.annealed(annealing(view, settings, group));
                 let chains = chains.with_importance(importance);
-                add_group(
-                    view, settings, followed, beside, options, film, group, &chains, stop,
-                )
+                job(group, beside).add(film, &chains)
             }
         };
         if !is_complete {
@@ -198,155 +198,147 @@ pub fn render_groups<T: Traverse + Sync>(
     PassEnd::Complete
 }
 
-/// Runs a group and adds it to the film; says whether it was complete.
-fn add_group<T: Traverse + Sync, A: ChainAlgorithm>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    followed: Followed<'_>,
-    beside: Option<&Beside>,
-    options: &RenderOptions,
-    film: &mut Film,
+/// A group of chains with what goes beside them.
+struct GroupJob<'a, T: Traverse> {
+    pass: &'a PassContext<'a, T, IndependentSampler>,
+    followed: Followed<'a>,
+    beside: Option<&'a Beside>,
     group: u32,
-    algorithm: &A,
-    stop: &Stop<'_>,
-) -> bool {
-    let own = &settings.chains;
-    let size = [film.width(), film.height()];
-    let pixels = size[0] * size[1];
-    let mutations = u64::from(own.mutations_per_pixel(pixels)) * u64::from(pixels);
-    let chains = match own.chain_length {
-        0 => own.chains.max(1),
-        length => mutations.div_ceil(u64::from(length)).max(1) as u32,
-    };
-    let steps = mutations.div_ceil(u64::from(chains)) as u32;
-    let plan = GroupSize {
-        candidates: match own.candidates {
-            0 => (mutations / 16).max(1) as u32,
-            candidates => candidates,
-        },
-        chains,
-        steps,
-    };
-    let offset = FreshSamples::new(options.seed ^ START_STREAM, group, 0).number(0);
-    let filter = SplatFilter::new(&view.tables.camera);
-    let with_steps = Aov::OF_CHAINS.iter().any(|aov| film.aovs().contains(*aov));
-    let images = 1 + followed.division.map_or(0, |division| division.count);
-    let Some(image) = group::run(
-        algorithm, plan, offset, &filter, size, images, with_steps, stop,
-    ) else {
-        return false;
-    };
-    for (name, counts) in algorithm.mutations().iter().zip(&image.counts) {
-        if counts.proposed > 0 {
-            tracing::debug!("group {group}: {}", describe(name, counts));
-        }
-        film.chain_counts_mut().add(name, counts);
-    }
-    let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
-    add_to_film(
-        view,
-        settings,
-        followed,
-        beside,
-        options,
-        film,
-        group,
-        &image,
-        scale as f32,
-    );
-    true
 }
 
-/// Adds the image of a group as a sample of every pixel, with direct illumination if that is apart.
-fn add_to_film<T: Traverse + Sync>(
-    view: &SceneView<'_, T>,
-    settings: &IntegratorSettings,
-    followed: Followed<'_>,
-    beside: Option<&Beside>,
-    options: &RenderOptions,
-    film: &mut Film,
-    group: u32,
-    image: &GroupImage,
-    scale: f32,
-) {
-    let camera = &view.tables.camera;
-    let needs_surface = film.aovs().needs_surface();
-    let pixels = film.width() * film.height();
-    // Path tracing beside the chains finds all direct illumination.
-    let beside = beside.map(|beside| beside.render(view, options.seed, group, film));
-    let direct = match beside {
-        Some(_) => 0,
-        None => direct_samples(settings, pixels),
-    };
-    let direct_settings = IntegratorSettings {
-        kind: integrator_kind::PATH,
-        rules: PathRules {
-            max_depth: settings.rules.max_depth.min(2),
-            ..settings.rules
-        },
-        ..*settings
-    };
-    film.bands_mut(BAND).into_par_iter().for_each(|mut band| {
-        let (top, width, height) = (band.y(), band.width(), band.height());
-        for y in top..top + height {
-            for x in 0..width {
-                let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
-                let index = pixel[1]
-                    .wrapping_mul(camera.film_size[0])
-                    .wrapping_add(pixel[0]);
-                let sum = |image: &Vec<[f32; 3]>| {
-                    Vec3::from_array(image[(y * width + x) as usize]) * scale
-                };
-                let mut value = sum(&image.sums[0]);
-                if let Some(beside) = &beside {
-                    value += beside[(y * width + x) as usize];
-                }
-                let mut parts: Vec<Vec3> = image.sums[1..].iter().map(sum).collect();
-                for i in 0..direct {
-                    let number = group.wrapping_mul(direct).wrapping_add(i);
-                    let seed = options.seed ^ DIRECT_STREAM;
-                    let mut sampler = IndependentSampler::new(seed, index, number);
-                    let mut own = [Vec3::ZERO; MAX_PARTS];
-                    let expressions = followed.division.map(|division| &division.expressions);
-                    let own = &mut own[..expressions.map_or(0, |e| e.count as usize)];
-                    let found = match (followed.edits, expressions) {
-                        (Some(edits), _) => retargeted::path::sample_pixel(
-                            view,
-                            &direct_settings,
-                            edits,
-                            expressions,
-                            &mut sampler,
-                            pixel,
-                            own,
-                        ),
-                        (None, None) => sample_pixel(view, &direct_settings, &mut sampler, pixel),
-                        (None, Some(expressions)) => sample_divided_pixel(
-                            view,
-                            &direct_settings,
-                            expressions,
-                            &mut sampler,
-                            pixel,
-                            own,
-                        ),
+impl<T: Traverse + Sync> GroupJob<'_, T> {
+    /// Runs the group and adds it to the film; says whether it was complete.
+    fn add<A: ChainAlgorithm>(&self, film: &mut Film, algorithm: &A) -> bool {
+        let (pass, group) = (self.pass, self.group);
+        let view = pass.view;
+        let own = &pass.settings.chains;
+        let size = [film.width(), film.height()];
+        let pixels = size[0] * size[1];
+        let mutations = u64::from(own.mutations_per_pixel(pixels)) * u64::from(pixels);
+        let chains = match own.chain_length {
+            0 => own.chains.max(1),
+            length => mutations.div_ceil(u64::from(length)).max(1) as u32,
+        };
+        let steps = mutations.div_ceil(u64::from(chains)) as u32;
+        let offset = FreshSamples::new(pass.options.seed ^ START_STREAM, group, 0).number(0);
+        let filter = SplatFilter::new(&view.tables.camera);
+        let plan = GroupPlan {
+            candidates: match own.candidates {
+                0 => (mutations / 16).max(1) as u32,
+                candidates => candidates,
+            },
+            chains,
+            steps,
+            offset,
+            images: 1 + self.followed.division.map_or(0, |division| division.count),
+            with_steps: Aov::OF_CHAINS.iter().any(|aov| film.aovs().contains(*aov)),
+        };
+        let Some(image) = group::run(algorithm, plan, &filter, size, pass.stop) else {
+            return false;
+        };
+        for (name, counts) in algorithm.mutations().iter().zip(&image.counts) {
+            if counts.proposed > 0 {
+                tracing::debug!("group {group}: {}", describe(name, counts));
+            }
+            film.chain_counts_mut().add(name, counts);
+        }
+        let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
+        self.add_to_film(film, &image, scale as f32);
+        true
+    }
+
+    /// Adds the image of a group as a sample of every pixel, with direct illumination if that is apart.
+    fn add_to_film(&self, film: &mut Film, image: &GroupImage, scale: f32) {
+        let (followed, group) = (self.followed, self.group);
+        let PassContext {
+            view,
+            settings,
+            options,
+            ..
+        } = *self.pass;
+        let camera = &view.tables.camera;
+        let needs_surface = film.aovs().needs_surface();
+        let pixels = film.width() * film.height();
+        // Path tracing beside the chains finds all direct illumination.
+        let beside = self
+            .beside
+            .map(|beside| beside.render(view, options.seed, group, film));
+        let direct = match beside {
+            Some(_) => 0,
+            None => direct_samples(settings, pixels),
+        };
+        let direct_settings = IntegratorSettings {
+            kind: integrator_kind::PATH,
+            rules: PathRules {
+                max_depth: settings.rules.max_depth.min(2),
+                ..settings.rules
+            },
+            ..*settings
+        };
+        film.bands_mut(BAND).into_par_iter().for_each(|mut band| {
+            let (top, width, height) = (band.y(), band.width(), band.height());
+            for y in top..top + height {
+                for x in 0..width {
+                    let pixel = [camera.crop_offset[0] + x, camera.crop_offset[1] + y];
+                    let index = pixel[1]
+                        .wrapping_mul(camera.film_size[0])
+                        .wrapping_add(pixel[0]);
+                    let sum = |image: &Vec<[f32; 3]>| {
+                        Vec3::from_array(image[(y * width + x) as usize]) * scale
                     };
-                    if let Some(division) = followed.division {
-                        for (part, own) in parts.iter_mut().zip(&own[division.first..]) {
-                            *part += *own / direct as f32;
-                        }
+                    let mut value = sum(&image.sums[0]);
+                    if let Some(beside) = &beside {
+                        value += beside[(y * width + x) as usize];
                     }
-                    value += found / direct as f32;
-                }
-                let mut entry = band.pixel_mut(x, y);
-                entry.add_sample(value);
-                entry.add_parts(value, &parts);
-                if let Some(steps) = &image.steps {
-                    entry.add_chain_steps(&steps[(y * width + x) as usize]);
-                }
-                if needs_surface {
-                    let sampler = IndependentSampler::new(options.seed, index, group);
-                    entry.add_aovs(&surface_sample(view, sampler, pixel));
+                    let mut parts: Vec<Vec3> = image.sums[1..].iter().map(sum).collect();
+                    for i in 0..direct {
+                        let number = group.wrapping_mul(direct).wrapping_add(i);
+                        let seed = options.seed ^ DIRECT_STREAM;
+                        let mut sampler = IndependentSampler::new(seed, index, number);
+                        let mut own = [Vec3::ZERO; MAX_PARTS];
+                        let expressions = followed.division.map(|division| &division.expressions);
+                        let own = &mut own[..expressions.map_or(0, |e| e.count as usize)];
+                        let found = match (followed.edits, expressions) {
+                            (Some(edits), _) => retargeted::path::sample_pixel(
+                                view,
+                                &direct_settings,
+                                edits,
+                                expressions,
+                                &mut sampler,
+                                pixel,
+                                own,
+                            ),
+                            (None, None) => {
+                                sample_pixel(view, &direct_settings, &mut sampler, pixel)
+                            }
+                            (None, Some(expressions)) => sample_divided_pixel(
+                                view,
+                                &direct_settings,
+                                expressions,
+                                &mut sampler,
+                                pixel,
+                                own,
+                            ),
+                        };
+                        if let Some(division) = followed.division {
+                            for (part, own) in parts.iter_mut().zip(&own[division.first..]) {
+                                *part += *own / direct as f32;
+                            }
+                        }
+                        value += found / direct as f32;
+                    }
+                    let mut entry = band.pixel_mut(x, y);
+                    entry.add_sample(value);
+                    entry.add_parts(value, &parts);
+                    if let Some(steps) = &image.steps {
+                        entry.add_chain_steps(&steps[(y * width + x) as usize]);
+                    }
+                    if needs_surface {
+                        let sampler = IndependentSampler::new(options.seed, index, group);
+                        entry.add_aovs(&surface_sample(view, sampler, pixel));
+                    }
                 }
             }
-        }
-    });
+        });
+    }
 }

@@ -16,6 +16,7 @@
 //! - [`rules`]: path depth, hidden emitters, strict normals, Russian roulette;
 //! - [`subpath`]: the moving end of every random walk, its arrival at surfaces and its departure;
 //! - [`walk`]: random walks from the sensor and from emitters that can be connected;
+//! - `walk_weights`: the partial sums of their weights;
 //! - [`arrival`]: what all of them do where they meet a surface;
 //! - [`vertex`]: their vertices, as records;
 //! - [`evaluation`]: BSDF values and densities at a vertex, in both directions of transport;
@@ -70,6 +71,7 @@ pub mod tracer;
 pub mod vertex;
 pub mod visibility;
 pub mod walk;
+mod walk_weights;
 pub mod weight;
 #[cfg(not(target_arch = "spirv"))]
 pub mod whole;

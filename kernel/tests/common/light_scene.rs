@@ -300,3 +300,9 @@ impl Scene {
         brute_force::closest_hit(&self.tables(), ray)
     }
 }
+
+/// Places a camera.
+pub fn place(camera: &mut Camera, to_world: Affine3A) {
+    camera.to_world = rows(to_world);
+    camera.to_camera = rows(to_world.inverse());
+}

@@ -21,6 +21,7 @@ pub mod mtl;
 mod mtl_map;
 pub mod obj;
 mod obj_lines;
+mod obj_parser;
 mod obj_words;
 mod part;
 pub mod ply;

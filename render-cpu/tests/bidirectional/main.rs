@@ -11,4 +11,6 @@ mod reverse;
 mod scenes;
 mod single_strategies;
 mod strategy_films;
+mod weight_counts;
+mod weight_samples;
 mod weights;

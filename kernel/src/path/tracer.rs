@@ -10,29 +10,20 @@ use super::remainder::Remainder;
 use super::rules::PathRules;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use super::whole::Path;
-use super::whole_vertex::{SMOOTH, Vertex, p_through};
+use super::whole_vertex::{Edge, SMOOTH, Vertex, p_through};
 use crate::bsdf::{Bsdf, event, mode};
-use crate::math::{Ray, Rgb};
+use crate::math::Ray;
 use crate::sampler::Sampler;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse, scene_flag};
 use glam::Vec3;
-
-/// What lies along an edge.
-#[derive(Clone, Copy, Debug)]
-pub struct Edge {
-    /// Transmittance.
-    pub transmittance: Rgb,
-    /// Probability that a walk passes.
-    pub pass: f32,
-}
 
 /// Where a walk arrived.
 #[derive(Clone, Copy, Debug)]
 pub struct TracedEdge {
     /// The surface; nothing where it left the scene.
     pub point: Option<SurfacePoint>,
-    /// What it passed.
+    /// What it passed, and the direction back.
     pub edge: Edge,
 }
 
@@ -88,8 +79,8 @@ impl<T: Traverse> Tracer<'_, T> {
         let tables = &self.view.tables;
         let mut ray = *ray;
         let mut edge = Edge {
-            transmittance: Vec3::ONE,
-            pass: 1.0,
+            direction: -ray.direction,
+            ..Edge::CLEAR
         };
         for _ in 0..MAX_NULL_CROSSINGS {
             let hit = self.view.traverse.closest_hit(&ray);
@@ -119,10 +110,7 @@ impl<T: Traverse> Tracer<'_, T> {
     pub fn segment(&self, segment: &Ray, to_sensor: bool) -> Option<Edge> {
         let tables = &self.view.tables;
         let passes_emitters = to_sensor && self.rules.hide_emitters != 0;
-        let mut edge = Edge {
-            transmittance: Vec3::ONE,
-            pass: 1.0,
-        };
+        let mut edge = Edge::CLEAR;
         if tables.info.flags & scene_flag::HAS_NULL == 0 && !passes_emitters {
             let is_free = !self.view.traverse.is_occluded(segment);
             return is_free.then_some(edge);

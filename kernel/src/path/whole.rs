@@ -122,6 +122,8 @@ impl<const N: usize> Path<N> {
             self.to_lens
         } else if i == 0 {
             -self.to_light
+        } else if self.vertices[i].edge.direction != Vec3::ZERO {
+            self.vertices[i].edge.direction
         } else {
             let between = self.vertices[i + 1].point.position - self.vertices[i].point.position;
             between.normalize()
@@ -197,7 +199,7 @@ impl<const N: usize> Path<N> {
             value *= self.vertices[i].value;
         }
         for vertex in &self.vertices[..k] {
-            value *= vertex.transmittance;
+            value *= vertex.edge.transmittance;
         }
         if !(value.max_element() > 0.0) || !value.is_finite() {
             return false;
@@ -349,7 +351,7 @@ impl<const N: usize> Path<N> {
             if j + 1 < k {
                 pdf *= self.vertices[j + 1].pdf_to_light;
             }
-            pdf *= self.vertices[j].pass;
+            pdf *= self.vertices[j].edge.pass;
             if j > 0 {
                 pdf *= self.vertices[j].stop;
             }
@@ -379,7 +381,7 @@ impl<const N: usize> Path<N> {
         }
         pdf *= emitted.product();
         for i in 0..s - 1 {
-            pdf *= self.vertices[i].pass * self.vertices[i + 1].stop;
+            pdf *= self.vertices[i].edge.pass * self.vertices[i + 1].stop;
             if i > 0 {
                 pdf *= self.vertices[i].pdf_to_sensor * self.light_ratio(i);
             }

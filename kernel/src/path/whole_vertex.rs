@@ -35,10 +35,30 @@ pub struct Vertex {
     pub ratio: f32,
     /// Probability that a walk which meets the surface stands there, if light may pass straight through.
     pub stop: f32,
-    /// Transmittance of the edge to the next vertex.
+    /// The edge to the next vertex.
+    pub edge: Edge,
+}
+
+/// What lies along an edge of a whole path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// Transmittance.
     pub transmittance: Rgb,
-    /// Probability that a walk passes all that lies on that edge.
+    /// Probability that a walk passes all that lies there.
     pub pass: f32,
+    /// Unit direction towards the sensor if a walk sampled it, zero if it follows from the positions of the vertices: the
+    /// difference of positions that lie close together has lost most of its digits, and a perturbation of such a direction
+    /// would not lead back through the same specular vertices.
+    pub direction: Vec3,
+}
+
+impl Edge {
+    /// Nothing lies there.
+    pub const CLEAR: Edge = Edge {
+        transmittance: Vec3::ONE,
+        pass: 1.0,
+        direction: Vec3::ZERO,
+    };
 }
 
 impl Vertex {
@@ -63,8 +83,7 @@ impl Vertex {
             pdf_to_sensor: 0.0,
             ratio: 1.0,
             stop: 1.0 - p_through(tables, point).max_element().min(1.0),
-            transmittance: Vec3::ONE,
-            pass: 1.0,
+            edge: Edge::CLEAR,
         }
     }
 

@@ -9,6 +9,7 @@ mod half_vectors;
 mod hostile_scenes;
 mod measures;
 mod mollified;
+mod perturbations;
 mod promises;
 mod returns;
 #[path = "../bidirectional/scenes.rs"]

@@ -8,9 +8,9 @@ use super::reconnection::{Method, MovedEnd, Segment, options_of, reconnect};
 use crate::manifold::mutation::{density_factor, mutate, mutation_kind};
 use crate::manifold::walk::WalkOptions;
 use crate::manifold::{ChainJacobian, ChainVertex};
-use crate::math::Rgb;
 use crate::math::scaled::Scaled;
 use crate::path::tracer::Tracer;
+use crate::path::whole_vertex::Edge;
 use crate::scene::Traverse;
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
@@ -267,7 +267,6 @@ fn end_of<T: Traverse>(
 /// Walks meet nothing on their way.
 pub fn clear_edges(path: &mut ChainPath, low: usize, high: usize) {
     for vertex in &mut path.vertices[low..high] {
-        vertex.transmittance = Rgb::ONE;
-        vertex.pass = 1.0;
+        vertex.edge = Edge::CLEAR;
     }
 }

@@ -98,8 +98,7 @@ pub fn trace_from_sensor<T: Traverse, S: Sampler>(
         } else {
             vertex.event = x.vertices[j].event;
         }
-        vertex.transmittance = arrival.edge.transmittance;
-        vertex.pass = arrival.edge.pass;
+        vertex.edge = arrival.edge;
         y.vertices[j] = vertex;
         if j == last {
             break;
@@ -142,8 +141,7 @@ pub fn trace_from_light<T: Traverse, S: Sampler>(
         };
         let mut vertex = Vertex::new(tables, &point);
         vertex.event = x.vertices[j].event;
-        vertex.transmittance = arrival.edge.transmittance;
-        vertex.pass = arrival.edge.pass;
+        vertex.edge = arrival.edge;
         if j < last {
             let back = -ray.direction;
             let next = if x.vertices[j].is_smooth() {
@@ -174,7 +172,7 @@ pub fn walked(path: &ChainPath, low: usize, high: usize, is_from_sensor: bool) -
             } else {
                 path.vertices[end].stop
             };
-            path.vertices[j].pass * stop
+            path.vertices[j].edge.pass * stop
         })
         .product()
 }

@@ -194,8 +194,7 @@ pub fn propose<T: Traverse, S: Sampler>(
             }
             _ => return false,
         };
-        vertex.transmittance = arrival.edge.transmittance;
-        vertex.pass = arrival.edge.pass;
+        vertex.edge = arrival.edge;
         if i + 1 < from_sensor {
             match tracer.scatter(&mut vertex, -ray.direction, bsdf, sampler) {
                 Some(next) => ray = next,
@@ -267,8 +266,7 @@ pub fn propose<T: Traverse, S: Sampler>(
                 return false;
             };
             let mut vertex = Vertex::new(tables, &point);
-            vertex.transmittance = arrival.edge.transmittance;
-            vertex.pass = arrival.edge.pass;
+            vertex.edge = arrival.edge;
             if i + 1 < walked {
                 match tracer.scatter(&mut vertex, -ray.direction, bsdf, sampler) {
                     Some(next) => ray = next,

@@ -11,7 +11,7 @@ use crate::bsdf::{Bsdf, mode};
 use crate::math::{Ray, luminance};
 use crate::path::tracer::Tracer;
 use crate::path::whole::Blurring;
-use crate::path::whole_vertex::{BLURRED, SMOOTH, Vertex};
+use crate::path::whole_vertex::{BLURRED, Edge, SMOOTH, Vertex};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
 use crate::scene::emitter::sample_direct_with_point;
@@ -31,7 +31,7 @@ struct Subpath {
     /// Where the walk left the scene, if it did.
     escaped: Option<Vec3>,
     /// What it passed on that last edge.
-    last: crate::path::tracer::Edge,
+    last: Edge,
 }
 
 /// Probability that a walk has as many vertices.
@@ -51,10 +51,7 @@ fn walk<T: Traverse, S: Sampler>(
     let mut subpath = Subpath {
         vertices: ArrayVec::new(),
         escaped: None,
-        last: crate::path::tracer::Edge {
-            transmittance: Vec3::ONE,
-            pass: 1.0,
-        },
+        last: Edge::CLEAR,
     };
     let most = (MAX_VERTICES - 2).min(tracer.rules.max_depth as usize);
     let mut ray = *ray;
@@ -70,8 +67,7 @@ fn walk<T: Traverse, S: Sampler>(
             break;
         };
         let mut vertex = Vertex::new(&tracer.view.tables, &point);
-        vertex.transmittance = arrival.edge.transmittance;
-        vertex.pass = arrival.edge.pass;
+        vertex.edge = arrival.edge;
         let next = tracer.scatter(&mut vertex, -ray.direction, bsdf, sampler);
         subpath.vertices.push(vertex);
         match next {
@@ -145,8 +141,7 @@ pub fn paths<T: Traverse, S: Sampler>(
         {
             path.vertices.clear();
             let mut sky = Vertex::without_surface(tables, Vec3::ZERO);
-            sky.transmittance = from_sensor.last.transmittance;
-            sky.pass = from_sensor.last.pass;
+            sky.edge = from_sensor.last;
             path.vertices.push(sky);
             path.vertices.extend(of_camera.iter().rev().copied());
             path.vertices.push(lens);
@@ -293,15 +288,16 @@ pub fn window_position(offset: [u32; 2], size: [u32; 2], u: Vec2) -> Vec2 {
     Vec2::new(x, y)
 }
 
-/// Adds a vertex that a light walk reached; what the walk passed belongs to the vertex before.
+/// Adds a vertex that a light walk reached; the edge that led there belongs to the vertex before, and its direction to the sensor.
 pub fn append_from_light(path: &mut ChainPath, vertex: Vertex) {
     if let Some(before) = path.vertices.last_mut() {
-        before.transmittance = vertex.transmittance;
-        before.pass = vertex.pass;
+        before.edge = Edge {
+            direction: -vertex.edge.direction,
+            ..vertex.edge
+        };
     }
     path.vertices.push(Vertex {
-        transmittance: Vec3::ONE,
-        pass: 1.0,
+        edge: Edge::CLEAR,
         ..vertex
     });
 }
@@ -374,8 +370,7 @@ pub fn join<T: Traverse>(tracer: &Tracer<'_, T>, path: &mut ChainPath, i: usize)
     };
     match tracer.segment(&segment, to_sensor) {
         Some(edge) => {
-            path.vertices[i].transmittance = edge.transmittance;
-            path.vertices[i].pass = edge.pass;
+            path.vertices[i].edge = edge;
             true
         }
         None => false,

@@ -17,6 +17,11 @@
 //! p = 1 / (2 pi ln(r2 / r1) r^2),    p_w = 1 / (2 pi ln(t2 / t1) t sin t).
 //! ```
 //!
+//! The multi-chain perturbation turns, with even chances, either the direction that the vertex had or that from its new position to the
+//! specular vertex that followed: the first leads back to the light by way of plane mirrors, the second by way of curved
+//! ones, whose normal changes more with where they are met than with the direction that comes there. About the second the angle of
+//! the way back differs, so T(y -> x) / T(x -> y) has t sin t of the way there over that of the way back.
+//!
 //! Angles of the caustic perturbation are those of r1 and r2 seen from the lens, over the way from there and to the vertex, so that
 //! it moves as far over the film; what leads out of the range from y is not proposed from x. The measure of T is that in which
 //! the vertices were moved, so f is taken in it too, with the vertex kept at the other end by its area. Discrete events are taken as
@@ -43,6 +48,9 @@ const LARGEST_SHARE: f32 = 0.05;
 
 /// Angles of the multi-chain perturbation, in radians.
 const CHAIN_ANGLES: [f32; 2] = [1e-4 * PI / 180.0, 0.1 * PI / 180.0];
+
+/// Those about the direction to a vertex, in radians.
+const ANCHORED_ANGLES: [f32; 2] = [1e-3 * PI / 180.0, 1.0 * PI / 180.0];
 
 /// Which vertices a perturbation from the sensor moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +161,7 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
 ) -> f32 {
     let tables = &tracer.view.tables;
     let k = x.edges();
-    let last = sensor_chain(x).last;
+    let SensorChain { last, turns } = sensor_chain(x);
     if !events_are_unique(x, last, k) {
         return 0.0;
     }
@@ -165,6 +173,7 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
     let r = length(film_steps(window.crop_size), sampler.next_1d());
     let (sin, cos) = float::sin_cos(2.0 * PI * sampler.next_1d());
     let film = x.film + Vec2::new(cos, sin) * r;
+    let is_anchored = turns > 0 && sampler.next_1d() < 0.5;
     let start = Vec2::new(window.crop_offset[0] as f32, window.crop_offset[1] as f32);
     let in_window = film.cmpge(start).all()
         && film.x < start.x + window.crop_size[0] as f32
@@ -200,14 +209,17 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
             y.vertices[j] = Vertex::new(tables, &point);
             y.vertices[j].event = old.event;
         }
-        y.vertices[j].transmittance = arrival.edge.transmittance;
-        y.vertices[j].pass = arrival.edge.pass;
+        y.vertices[j].edge = arrival.edge;
         if j == last {
             break;
         }
         if old.is_smooth() {
             let u = sampler.next_2d();
-            let direction = turned(x.previous_direction(j), CHAIN_ANGLES, u);
+            let direction = if is_anchored {
+                turned(towards(y, j, x), ANCHORED_ANGLES, u)
+            } else {
+                turned(x.previous_direction(j), CHAIN_ANGLES, u)
+            };
             ray = y.vertices[j].point.spawn(direction);
         } else {
             match repeat_event(tracer, &y.vertices[j], -ray.direction, bsdf) {
@@ -222,6 +234,17 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
     if !tracer.evaluate(y, bsdf) || !events_are_unique(y, last, k) {
         return 0.0;
     }
+    let mut ways = 1.0;
+    if is_anchored {
+        for j in (last + 1..k).filter(|&j| x.vertices[j].is_smooth()) {
+            let there = angle_between(y.previous_direction(j), towards(y, j, x));
+            let back = angle_between(x.previous_direction(j), towards(x, j, y));
+            if !(back >= ANCHORED_ANGLES[0] && back <= ANCHORED_ANGLES[1]) {
+                return 0.0;
+            }
+            ways *= there * float::sin(there) / (back * float::sin(back));
+        }
+    }
     let target = |path: &ChainPath| {
         let mut f = path.luminance();
         if last > 0 {
@@ -230,12 +253,17 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
         let walked: f32 = (last..k)
             .map(|j| {
                 let vertex = &path.vertices[j];
-                vertex.pass * if j > 0 { vertex.stop } else { 1.0 }
+                vertex.edge.pass * if j > 0 { vertex.stop } else { 1.0 }
             })
             .product();
         f / walked
     };
-    ratio(target(y), target(x))
+    ratio(ways * target(y), target(x))
+}
+
+/// Unit direction from vertex `j` of a path to the vertex before it of another.
+fn towards(from: &ChainPath, j: usize, to: &ChainPath) -> Vec3 {
+    (to.vertices[j - 1].point.position - from.vertices[j].point.position).normalize()
 }
 
 /// Caustic perturbation: makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
@@ -269,8 +297,7 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
         };
         let mut vertex = Vertex::new(tables, &point);
         vertex.event = x.vertices[j].event;
-        vertex.transmittance = arrival.edge.transmittance;
-        vertex.pass = arrival.edge.pass;
+        vertex.edge = arrival.edge;
         if j < end {
             match repeat_event(tracer, &vertex, -ray.direction, bsdf) {
                 Some(next) => ray = next,
@@ -293,7 +320,7 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
         let mut ratios = 1.0;
         let mut walked = 1.0;
         for j in start..end {
-            walked *= path.vertices[j].pass * path.vertices[j + 1].stop;
+            walked *= path.vertices[j].edge.pass * path.vertices[j + 1].stop;
             if j > start {
                 ratios *= path.light_ratio(j);
             }

@@ -49,8 +49,11 @@ const LARGEST_SHARE: f32 = 0.05;
 /// Angles of the multi-chain perturbation, in radians.
 const CHAIN_ANGLES: [f32; 2] = [1e-4 * PI / 180.0, 0.1 * PI / 180.0];
 
-/// Those about the direction to a vertex, in radians.
-const ANCHORED_ANGLES: [f32; 2] = [1e-3 * PI / 180.0, 1.0 * PI / 180.0];
+/// Those about the direction to a vertex, in radians; that direction is known to 1e-6 after a way through glass.
+const ANCHORED_ANGLES: [f32; 2] = [0.02 * PI / 180.0, 2.0 * PI / 180.0];
+
+/// Shortest distance to such a vertex, over the largest coordinate: rounding turns the direction by a hundredth of the smallest angle.
+const SHORTEST_ANCHOR: f32 = 0.02;
 
 /// Which vertices a perturbation from the sensor moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,7 +219,10 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
         if old.is_smooth() {
             let u = sampler.next_2d();
             let direction = if is_anchored {
-                turned(towards(y, j, x), ANCHORED_ANGLES, u)
+                match towards(y, j, x) {
+                    Some(anchor) => turned(anchor, ANCHORED_ANGLES, u),
+                    None => return 0.0,
+                }
             } else {
                 turned(x.previous_direction(j), CHAIN_ANGLES, u)
             };
@@ -237,8 +243,11 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
     let mut ways = 1.0;
     if is_anchored {
         for j in (last + 1..k).filter(|&j| x.vertices[j].is_smooth()) {
-            let there = angle_between(y.previous_direction(j), towards(y, j, x));
-            let back = angle_between(x.previous_direction(j), towards(x, j, y));
+            let (Some(anchor), Some(anchor_back)) = (towards(y, j, x), towards(x, j, y)) else {
+                return 0.0;
+            };
+            let there = angle_between(y.previous_direction(j), anchor);
+            let back = angle_between(x.previous_direction(j), anchor_back);
             if !(back >= ANCHORED_ANGLES[0] && back <= ANCHORED_ANGLES[1]) {
                 return 0.0;
             }
@@ -261,9 +270,17 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
     ratio(ways * target(y), target(x))
 }
 
-/// Unit direction from vertex `j` of a path to the vertex before it of another.
-fn towards(from: &ChainPath, j: usize, to: &ChainPath) -> Vec3 {
-    (to.vertices[j - 1].point.position - from.vertices[j].point.position).normalize()
+/// Unit direction from vertex `j` of a path to the vertex before it of another; none where rounding of the two positions would turn
+/// it by as much as the smallest of the angles.
+fn towards(from: &ChainPath, j: usize, to: &ChainPath) -> Option<Vec3> {
+    let (from, to) = (
+        from.vertices[j].point.position,
+        to.vertices[j - 1].point.position,
+    );
+    let extent = from.abs().max(to.abs()).max_element();
+    let between = to - from;
+    let length = between.length();
+    (length > SHORTEST_ANCHOR * extent).then(|| between / length)
 }
 
 /// Caustic perturbation: makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.

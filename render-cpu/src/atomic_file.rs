@@ -101,7 +101,7 @@ pub fn destination(path: &Path) -> PathBuf {
     target
 }
 
-/// How the names of the temporary files of a file begin: a prefix of its name, because the longest names leave no room for
+/// How the names of the temporary files of a file begin: a prefix of its name, because the longest names leave no space for
 /// more.
 fn prefix(target: &Path) -> Option<String> {
     let name = target.file_name()?.to_string_lossy().into_owned();

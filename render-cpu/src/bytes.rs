@@ -1,7 +1,7 @@
 //! Reading whole files into memory, with a limit on their size.
 //!
 //! Readers of this crate take byte slices; only this module gets them from the file system. Anything but a regular file (a
-//! device, a pipe, a directory) is refused, because it may never end, and so is what a failed download leaves in place of a
+//! device, a pipe, a directory) is refused, because it may never end, and so is what a failed download leaves instead of a
 //! file: a pointer of Git LFS, a web page.
 
 use std::fs::File;
@@ -47,7 +47,7 @@ pub fn read_file(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Detects a pointer of Git LFS or a web page in place of the file; returns a sentence about it.
+/// Detects a pointer of Git LFS or a web page instead of the file; returns a sentence about it.
 pub fn mistaken(path: &Path, bytes: &[u8]) -> Option<String> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.starts_with(b"version https://git-lfs.github.com/spec/") {

@@ -75,7 +75,7 @@ fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     }
 }
 
-/// The arguments with `render` where a scene, or an option of `render`, stands in the place of a command.
+/// The arguments with `render` where a scene, or an option of `render`, stands instead of a command.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
     // These say how much is printed, whatever the command.
     let is_general = |argument: &OsString| {

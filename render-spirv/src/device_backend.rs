@@ -47,7 +47,7 @@ pub struct DeviceBackend {
     options: RenderOptions,
     sampler: u32,
     slice: u32,
-    /// The work items that the buffers have room for.
+    /// The work items that the buffers hold.
     max_slice: u32,
     /// Layers to take before the loss of the device is simulated.
     lose_after: Option<u32>,

@@ -48,7 +48,7 @@ pub struct Stages {
     /// By their number; what the integrator does not need is missing.
     pipelines: Vec<Option<Pipeline>>,
     settings: IntegratorSettings,
-    /// Room for so many paths, and behind them for as many branches.
+    /// Buffers for so many paths, and behind them for as many branches.
     capacity: u32,
     device: Arc<Device>,
     /// The longest submission of the last call.
@@ -61,7 +61,7 @@ impl Stages {
         kind == integrator_kind::PATH || kind == integrator_kind::DIRECT
     }
 
-    /// Paths that the buffer must have room for, when there are `capacity` work items.
+    /// Paths that the buffer must hold, when there are `capacity` work items.
     pub fn paths(settings: &IntegratorSettings, capacity: u32) -> u64 {
         let with_branches = settings.kind == integrator_kind::DIRECT;
         u64::from(capacity) * if with_branches { 2 } else { 1 }

@@ -168,7 +168,7 @@ pub fn falloff_by_differences(value: impl Fn(Vec3, Vec3) -> f32, wi: Vec3, wo: V
 /// A quarter of a degree.
 const SMALLEST_STEP: f32 = 0.004_4;
 
-/// Slope of the half vector after turning both directions by `angle`, and the value there in place of the slope density.
+/// Slope of the half vector after turning both directions by `angle`, and the value there instead of the slope density.
 #[inline]
 fn turned(
     value: &impl Fn(Vec3, Vec3) -> f32,

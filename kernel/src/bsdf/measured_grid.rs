@@ -2,7 +2,7 @@
 //!
 //! A grid holds a value at each corner of its cells, with the sums along each row and of all rows before it, cells counting one
 //! each: the integral of the bilinear function. The row is drawn first, by the sums of rows between which the density is linear, then
-//! the column in the row at that place; both are inverted in closed form. Tables of neighbouring incident directions are interpolated
+//! the column in the row at that position; both are inverted in closed form. Tables of neighbouring incident directions are interpolated
 //! linearly with their sums, so that the mapping stays exact. Invariants (tests): samples follow the density.
 
 use crate::math::float;
@@ -37,7 +37,7 @@ pub(super) struct Slices {
     weight: [f32; 4],
 }
 
-/// The interval of ascending words `first..first + count` that holds `x`, and the place in it; its ends outside.
+/// The interval of ascending words `first..first + count` that holds `x`, and the relative position in it; its ends outside.
 #[inline]
 fn interval(data: &[f32], first: usize, count: usize, x: f32) -> (usize, f32) {
     if count < 2 {
@@ -100,7 +100,7 @@ pub(super) const ONE: Slices = Slices {
     weight: [1.0, 0.0, 0.0, 0.0],
 };
 
-/// The cell of a point of the square and the place in it.
+/// The cell of a point of the square and the relative position in it.
 #[derive(Clone, Copy)]
 struct Cell {
     x: usize,

@@ -1,4 +1,4 @@
-//! How rough the smooth part of a material is: what decides whether light is looked for around a point or beyond it.
+//! The roughness of the part of a material that is not specular, which decides whether photons are gathered at a point or the camera walk goes on.
 
 use super::{Bsdf, Lobe, lobe};
 use crate::math::float::sqrt;

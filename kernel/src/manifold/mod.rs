@@ -66,7 +66,7 @@
 //!    walk back as a test that the chain can return, or a jump to another sub-manifold when the walk fails.
 //! 5. Accept with `f(X') T(X' -> X) / (f(X) T(X -> X'))`, all per area of vertices: f is BSDFs times
 //!    `prod G(x_i, x_{i+1})`, and T the density of the half vectors times the mutation's factor, which for walks is |det J|.
-//!    For walks the same ratio comes out of [`chain::half_vector_measure`] in place of G and J: nothing is singular then.
+//!    For walks the same ratio comes out of [`chain::half_vector_measure`] instead of G and J: nothing is singular then.
 //!
 //! # Why the measure is harmless
 //! `prod G / |det J| = G(x_0 <-> x_k) prod |do_i / dh_i| |o_i . n_i| q_i` (equations 7.4 to 7.6; see [`chain`]): the left side

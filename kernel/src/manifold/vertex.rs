@@ -103,7 +103,7 @@ impl ChainVertex {
         ChainVertex::from_surface_with(point, reference_for(point.frame.n))
     }
 
-    /// The same, with the frame of the half vector hung on a given vector.
+    /// The same, with the frame of the half vector built around a given vector.
     #[inline]
     pub fn from_surface_with(point: &SurfacePoint, reference: Vec3) -> ChainVertex {
         let mut vertex = ChainVertex {

@@ -6,7 +6,7 @@
 //! `M R = M.xyxy R.xxzz + M.zwzw R.yyww`,
 //! `adj(M) R = det(M) M^-1 R = M.wywy (R.xxzz s) - M.zxzx (R.yyww s)`, `s = (1, -1, 1, -1)`.
 //!
-//! A block is refused as singular when it cannot be told from one ([`SINGULAR`]); all others with a largest element between
+//! A block is refused as singular when it cannot be distinguished from one ([`SINGULAR`]); all others with a largest element between
 //! 1e-15 and 1e15 are inverted by Cramer's rule. Checked: inverses at any scale against f64, refusals.
 
 use super::float::abs;

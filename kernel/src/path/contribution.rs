@@ -1,6 +1,6 @@
 //! What one strategy adds to a pixel: a weighted value, and the segment along which its light must not be blocked.
 //!
-//! A value is returned, not written: whoever asked for it traces the segment ([`super::visibility`]) and decides where the
+//! A value is returned, not written: the caller traces the segment ([`super::visibility`]) and decides where the
 //! sum is kept. Strategies with at least two camera vertices add to the pixel from which the camera walk started; the others
 //! are splats, which name their own film position.
 

@@ -15,7 +15,7 @@
 //! [`Interaction::wi`] is given; geometric cosines are those of the true ones. Hosts only: for shaders nothing is edited.
 //!
 //! Invariant (tests): with the two directions exchanged, both modes give the same value but for that ratio, and the two
-//! densities change places.
+//! densities are exchanged.
 
 #[cfg(not(target_arch = "spirv"))]
 use super::retargeted::Retargeted;
@@ -86,7 +86,7 @@ pub struct OutgoingSample {
     pub direction: Vec3,
     /// Factor on the density of the sample.
     pub pdf: f32,
-    /// Factor on that of the way back.
+    /// Factor on the reverse density.
     pub pdf_reverse: f32,
     /// Factor on values.
     pub value: Rgb,

@@ -3,14 +3,14 @@
 //! A path x_0 ... x_k is read as a word of letters, one for each vertex: the emitter at x_0, at each surface the kind of
 //! scattering ([`scattering`]; diffuse, glossy or specular, reflected or transmitted: Heckbert 1990) with the object and the
 //! regions that it lies in (Kaplanyan 2017, section 9.1.1.1), and the sensor at x_k. A front end compiles expressions to the
-//! tables of [`PathExpressions`]; all vertices that no expression tells apart share a letter. Up to [`MAX_PARTS`] expressions
+//! tables of [`PathExpressions`]; all vertices that no expression distinguishes share a letter. Up to [`MAX_PARTS`] expressions
 //! are one automaton, whose states say by bits which of them have matched.
 //!
 //! There are two automata, because walks come from both ends: `from_light` reads x_0 first, `from_sensor` reads x_k first. Both
 //! are deterministic, so that a state is all that a walk needs to know of its past. Where two walks meet, `joins` says which
 //! expressions hold for the whole: with F the positions of the expressions that the light walk may be in, and B those from
 //! which what the camera walk has read leads to the end, the expressions with a position in both.
-//! Invariant (tests): the answer is that of a matcher which tries all ways through an expression, wherever the path is divided.
+//! Invariant (tests): the answer is that of a matcher which tries all derivations of an expression, wherever the path is divided.
 
 use crate::math::affine::transform_point;
 use crate::scene::SurfacePoint;

@@ -156,7 +156,7 @@ impl Connector<'_> {
                 d_vc: h.of(light / (emitted.product() * cosine)),
             }
         };
-        // Per solid angle at the lens: the density of the camera walk that would come the other way.
+        // Per solid angle at the lens: the density of the camera walk that would come in the opposite direction.
         let light = h.of(lens_pdf) * weights.shorter(h, density * distance2);
         let weight = self.strategies.weight(light, 0.0);
         Contribution {

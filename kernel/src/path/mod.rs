@@ -41,13 +41,13 @@ pub mod evaluation;
 pub mod expression;
 pub mod lens;
 pub mod mollified;
-// Vertices with what heuristics know of them are for hosts only: a shader has no room for all of a path.
+// Vertices with what heuristics know of them are for hosts only: a shader has no storage for all of a path.
 #[cfg(not(target_arch = "spirv"))]
 pub mod path_node;
 pub mod path_states;
 pub mod photon_density;
 pub mod remainder;
-// Edits are for hosts only: they choose between several ways at a vertex, for which shaders have no room.
+// Edits are for hosts only: they keep several choices per vertex, for which shaders have no storage.
 #[cfg(not(target_arch = "spirv"))]
 pub mod retarget;
 #[cfg(not(target_arch = "spirv"))]

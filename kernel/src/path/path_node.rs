@@ -5,7 +5,7 @@
 //! ([`super::whole_weights`]) need densities in both directions. All of these are kept. Only where a material may be regularised
 //! is it looked up again, for the tau that the rest of the path leaves it.
 //!
-//! Hosts only, because it takes room for every vertex of both subpaths.
+//! Hosts only, because it takes storage for every vertex of both subpaths.
 
 use super::evaluation::Interaction;
 use super::shading_point::ShadingPoint;
@@ -219,7 +219,7 @@ impl PathNode {
         self.bounds[usize::from(at.wi.z * wo.z < 0.0)]
     }
 
-    /// As a vertex of a path which the light subpath has passed, below `tau`; `site` is room for its surface.
+    /// As a vertex of a path which the light subpath has passed, below `tau`; `site` is storage for its surface.
     pub fn inner_vertex_below(
         &self,
         tables: &Tables<'_>,

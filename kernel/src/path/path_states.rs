@@ -4,7 +4,7 @@
 //! with a share of its light per channel. A walk therefore carries weights over the automaton's states ([`PathStates`]), which
 //! sum to one: at every vertex the weight of a state is divided by f_D / f and f_G / f ([`crate::bsdf::Bsdf::diffuse_share`]) and moved on.
 //! Most materials do one of both, and most walks have one state. A discrete event is specular. Reflection and transmission are
-//! told apart by the shading normal.
+//! distinguished by the shading normal.
 //!
 //! Everything here depends on the path alone, so that all algorithms divide an image alike (but for materials that are not
 //! reciprocal, whose shares a walk takes for its own direction). Invariant (tests): expressions that divide the paths among
@@ -59,7 +59,7 @@ impl PathStates {
         PathStates::one(automaton.after(START, expressions.sensor))
     }
 
-    /// [`PathStates::at_sensor`] in place, without a copy of all that there is room for.
+    /// [`PathStates::at_sensor`] in place, without a copy of the whole array.
     #[inline]
     pub fn restart_at_sensor(&mut self, expressions: &PathExpressions<'_>) {
         let state = expressions.from_sensor.after(START, expressions.sensor);
@@ -83,7 +83,7 @@ impl PathStates {
         self.count == 0
     }
 
-    /// Adds weight to a state; there is nothing to know of the dead one.
+    /// Adds weight to a state; the dead state carries no weight.
     #[inline]
     fn add(&mut self, state: u32, weight: Rgb) {
         if state == DEAD || !(weight.max_element() > 0.0) {

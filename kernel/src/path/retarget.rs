@@ -4,7 +4,7 @@
 //!
 //! An edit selects parts of paths ([`super::retarget_states`]) and carries an affine map T, which places a source region in its
 //! target. What a selected path sends from x into the source region, along a direction w, goes along o towards the target
-//! instead; R is the way back, w = R o. The BSDF becomes (thesis 9.2.1, i the direction at the other side)
+//! instead; R is the inverse map, w = R o. The BSDF becomes (thesis 9.2.1, i the direction at the other side)
 //!
 //! ```text
 //! f'(i -> o)  = f(i -> R o)                                        light is turned on its way from the emitter,
@@ -25,7 +25,7 @@
 //! ```
 //!
 //! n and n' the normals of both planes and a = |det A| |A^-T n| the growth of areas between them, A the linear part of T. So R is
-//! one to one between the directions that meet the source and those that meet the target, in closed form both ways, and knows
+//! one to one between the directions that meet the source and those that meet the target, in closed form in both directions, and knows
 //! neither the surfaces that paths will meet nor the way in which they are built. Put the box flat on a floor, and what falls
 //! within it moves over the floor exactly as T says. Without a region A turns all directions, o = A w / |A w|, |do/dw| = |det A| / |A w|^3.
 //!
@@ -40,7 +40,7 @@
 //!
 //! Invariants (tests): R and its inverse undo each other, Jacobians are those of differences, areas go by T on the region's plane.
 //!
-//! Hosts only: edits choose between several ways at a vertex, for which shaders have no room.
+//! Hosts only: edits keep several choices per vertex, for which shaders have no storage.
 
 use crate::math::affine::{determinant, transform_normal, transform_point, transform_vector};
 use crate::math::{Rgb, float, vec3};

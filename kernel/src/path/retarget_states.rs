@@ -61,7 +61,7 @@ impl<'a> Edits<'a> {
     }
 }
 
-/// What a path does about the edits of a flow at a vertex.
+/// The choice that a path makes about the edits of a flow at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
     /// Bits of the edits whose sources the direction before the turn meets.
@@ -203,7 +203,7 @@ impl EditStates {
         &self.pairs[..self.count as usize]
     }
 
-    /// Hands on what each pair comes to by each kind of scattering: the state, its set, and its weight; whatever the own choice.
+    /// Passes on what each pair comes to by each kind of scattering: the state, its set, and its weight; whatever the own choice.
     fn steps(
         &self,
         edits: &Edits<'_>,
@@ -280,7 +280,7 @@ impl EditStates {
         weights
     }
 
-    /// Whether some path counts that has the choice `other` at a vertex which may scatter in the ways of the bits `may` (of
+    /// Whether some path counts that has the choice `other` at a vertex which may scatter by the kinds in the bits `may` (of
     /// [`scattering`]).
     pub fn may_choose(&self, edits: &Edits<'_>, place: u32, may: u32, other: Choice) -> bool {
         let mut is_some = false;

@@ -3,7 +3,7 @@
 //!
 //! The surface's BSDF knows only directions before turns. A walk therefore evaluates it for R of the direction that it came
 //! along and R of the one in which it goes on, while cosines and edges are those of the true directions. With J = |dR o / do| of
-//! each, the density of a sampled direction is J p, that of the way back the same with the J of the other direction, and the
+//! each, the density of a sampled direction is J p, the reverse density the same with the J of the other direction, and the
 //! factors of values are those of [`Edit::value`].
 //!
 //! Hosts only, as edits are.
@@ -108,7 +108,7 @@ fn choice(edits: &Edits<'_>, flow: u32, point: &SurfacePoint, before: Vec3, labe
     }
 }
 
-/// Ways in which a material may scatter, as bits of [`scattering`].
+/// Kinds of scattering of a material, as bits of [`scattering`].
 fn scattering_kinds(bsdf: &Bsdf) -> u32 {
     let mut may = 0;
     for i in 0..bsdf.lobe_count() {

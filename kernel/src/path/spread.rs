@@ -63,7 +63,7 @@ pub fn emitter_quality(tables: &Tables<'_>, emitter: u32, rho: f32, length: f32,
     quality.value()
 }
 
-/// Bound of an emitter's share of its own light per steradian, in the place of a BSDF's bound: 1 / pi for surfaces, one over the
+/// Bound of an emitter's share of its own light per steradian, instead of a BSDF's bound: 1 / pi for surfaces, one over the
 /// sphere where light goes everywhere, [`crate::regularize::bandwidth::TAU_MAX`] for one direction.
 pub fn emission_bound(tables: &Tables<'_>, emitter: u32) -> f32 {
     match tables.emitters[emitter as usize].kind {

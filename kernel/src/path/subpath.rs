@@ -91,7 +91,7 @@ impl Subpath {
         }
     }
 
-    /// Goes straight on behind the surface with what its masks let pass; says what is next, one of [`step`].
+    /// Goes straight on behind the surface with what its masks let pass; returns what is next, one of [`step`].
     #[inline]
     pub fn continue_through_masks(&mut self, tables: &Tables<'_>, point: &SurfacePoint) -> u32 {
         self.throughput *= null_transmittance(tables, point);
@@ -101,7 +101,7 @@ impl Subpath {
         self.skip_surface(point)
     }
 
-    /// Goes straight on through the surface; says what is next, one of [`step`].
+    /// Goes straight on through the surface; returns what is next, one of [`step`].
     #[inline]
     pub fn skip_surface(&mut self, point: &SurfacePoint) -> u32 {
         self.crossings += 1;
@@ -113,7 +113,7 @@ impl Subpath {
     }
 
     /// Leaves the surface along the world `direction`; what it carries and its index are those behind the surface already. From
-    /// `rr_depth` edges on it goes on with the probability `survival` only. Says what is next, one of [`step`].
+    /// `rr_depth` edges on it goes on with the probability `survival` only. Returns what is next, one of [`step`].
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn continue_along<S: Sampler>(

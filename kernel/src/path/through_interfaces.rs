@@ -10,14 +10,14 @@
 //! ```
 //!
 //! whatever the model: all of the plane must have a density. With f what the path carries in the measure of camera walks, over the
-//! half vectors in place of positions (as in the mutations of `transport/markov/half_vector`), the estimate is
+//! half vectors instead of positions (as in the mutations of `transport/markov/half_vector`), the estimate is
 //!
 //! ```text
 //! f M / (p(x_0) prod p(h_i)),   M = G(x_k <-> x_0) / |i_k.n_k| prod_(i=1)^(k-1) m_i.
 //! ```
 //!
 //! **Assumption**: a start finds one path. Other paths with the same half vectors and ends, as behind a lens beyond its focus, are
-//! found by no walk of the same start; [`Interfaces::finds`] says whether a path is the one, so that what other techniques
+//! found by no walk of the same start; [`Interfaces::is_found_by_walk`] returns whether a path is the one, so that what other techniques
 //! find can be counted where this one does not. So light that other techniques find keeps its mean, and light of points,
 //! which nothing else finds through smooth interfaces, is complete where walks are unique.
 //!
@@ -114,7 +114,7 @@ impl Interfaces {
         Interfaces { vertices, len: 2 }
     }
 
-    /// Adds an interface next to the light; says whether there was room.
+    /// Adds an interface next to the light; returns whether there was space.
     pub fn push(&mut self, interface: ChainVertex) -> bool {
         if self.len >= N {
             return false;
@@ -236,7 +236,7 @@ impl Interfaces {
         }
         let mut own = *self;
         for i in 1..self.len - 1 {
-            // The frames of half vectors hang on the same vectors.
+            // The frames of half vectors are built around the same vectors.
             own.vertices[i].reference = line.vertices[i].reference;
         }
         let jacobian = own.jacobian();

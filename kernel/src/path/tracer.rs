@@ -1,7 +1,7 @@
 //! Edges of whole paths: those that are traced along sampled directions, and those that are tested.
 //!
 //! Where light may pass straight through a surface, a walk passes with the largest channel of the transmittance as probability;
-//! the probabilities of all that it passed and that of standing where it ended are kept, because they are the same both ways.
+//! the probabilities of all that it passed and that of standing where it ended are kept, because they are the same in both directions.
 //! What stands in the way of a connection dims it.
 //!
 //! Hosts only, as [`super::whole`].

@@ -220,7 +220,7 @@ impl Walk {
         subpath.continue_along(rules, sampler, point, direction, survival)
     }
 
-    /// The partial sums after scattering at a regularised vertex: with p_hat of the sampled direction in place of its density,
+    /// The partial sums after scattering at a regularised vertex: with p_hat of the sampled direction instead of its density,
     /// which a discrete direction has then too. Without `is_reversible` no walk comes from the other end.
     fn regularized_weights(
         &self,

@@ -144,7 +144,7 @@ impl<const N: usize> Path<N> {
         is_infinite(tables.emitters[self.emitter as usize].kind)
     }
 
-    /// Looks up what the sensor and the light say of the path's ends, and all of its vertices; says whether it carries light.
+    /// Looks up what the sensor and the light say of the path's ends, and all of its vertices; returns whether it carries light.
     /// Positions, discrete events, the emitter, the lens numbers, transmittances and `to_light` of lights at infinity are given.
     pub fn evaluate(&mut self, tables: &Tables<'_>, rules: &PathRules, bsdf: &mut Bsdf) -> bool {
         self.evaluate_and(tables, rules, bsdf, |_, _, _, _| {})
@@ -220,7 +220,7 @@ impl<const N: usize> Path<N> {
         }
     }
 
-    /// Value and densities at an inner vertex; says whether anything is scattered.
+    /// Value and densities at an inner vertex; returns whether anything is scattered.
     fn look_up(
         &mut self,
         tables: &Tables<'_>,
@@ -265,7 +265,7 @@ impl<const N: usize> Path<N> {
             vertex.value = forward.value;
             vertex.pdf_to_light = forward.pdf;
             vertex.pdf_to_sensor = back.pdf;
-            // The relative index of the way back leads from the light's side to the sensor's.
+            // The relative index of the reverse direction leads from the light's side to the sensor's.
             vertex.ratio = 1.0 / (float::sqr(forward.eta) * back.exchange);
             vertex.is_unique = forward.is_unique && back.is_unique;
         }

@@ -39,7 +39,7 @@ impl<const N: usize> Path<N> {
         (s != 0).then(|| if is_at(s) { s } else { s - 1 })
     }
 
-    /// Notes which edge a blurred vertex connects; says whether it is where it has to be.
+    /// Notes which edge a blurred vertex connects; returns whether it is where it has to be.
     pub(super) fn find_joined(&mut self, tables: &Tables<'_>, rules: &PathRules) -> bool {
         self.joined = 0;
         if !(self.blurring.radius > 0.0) {

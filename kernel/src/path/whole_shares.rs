@@ -10,7 +10,7 @@ use crate::bsdf::{Bsdf, mode};
 use crate::scene::Tables;
 
 impl<const N: usize> Path<N> {
-    /// Reads the path from its light; `bsdf` is room for those of its vertices.
+    /// Reads the path from its light; `bsdf` is a buffer for those of its vertices.
     pub fn shares(
         &self,
         tables: &Tables<'_>,

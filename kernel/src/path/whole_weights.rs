@@ -102,7 +102,7 @@ pub struct WholeDensities {
     pub first: f32,
 }
 
-/// Far above all that a weight tells apart from zero, and far below what does not fit.
+/// Far above all that a weight distinguishes from zero, and far below what does not fit.
 const LARGEST: f64 = 1e60;
 
 impl WholeDensities {

@@ -5,7 +5,7 @@
 //! lobe see [`super::regularized_bsdf`]. A material of which no lobe would be raised is not regularised at all, so that its
 //! numbers are those of the model to the bit ([`is_raised`]).
 //!
-//! Invariants (tests): the two densities change places with the directions; without a raised lobe all is as it was.
+//! Invariants (tests): the two densities are exchanged with the directions; without a raised lobe all is as it was.
 
 use super::bandwidth::TAU_MAX;
 use super::regularized_bsdf::{alpha_hat, mixture_eval_cosine_pdf};

@@ -8,13 +8,13 @@
 //! +- s2 exp(-ln(s2 / s1) u),   s1 = 1/1024, s2 = 1/64,   modulo 1,
 //! ```
 //!
-//! a density that is the same both ways. How many numbers a path needs is known only when it is traced, so a number that nobody
+//! a density that is the same in both directions. How many numbers a path needs is known only when it is traced, so a number that nobody
 //! has asked for since some steps catches up with what it missed: the large step after it was last set, then each small
 //! one. Every draw is a hash of (chain, step, dimension), so the chain is the same whenever a number is asked for.
 //!
 //! Numbers are counted in blocks, one for each bounce ([`Sampler::start_bounce`]), so that a bounce which draws fewer does not
 //! shift those of the next. Beyond [`CAPACITY`] they come from the last large step alone, which leaves the target distribution
-//! as it is. Hosts only: a shader has no room for such arrays.
+//! as it is. Hosts only: a shader has no storage for such arrays.
 //!
 //! Invariants (tests): values are uniform after any number of accepted steps, forward and reverse density of a small step are
 //! the same, a rejected step leaves no trace.
@@ -159,7 +159,7 @@ impl PrimarySamples {
         self.end = 0;
     }
 
-    /// Begins to hand out the current vector once more, in place of a proposal.
+    /// Begins to hand out the current vector once more, instead of a proposal.
     #[inline]
     pub fn repeat(&mut self) {
         self.is_repeated = true;

@@ -110,7 +110,7 @@ impl Bvh2Traverse<'_> {
         let far = a.max(b);
         let t0 = near.x.max(near.y).max(near.z).max(t_min);
         // Relative error of both ends: two roundings for the difference and the product, one for the inverse. Of a ray
-        // in the plane of a face the far distance is zero: there, the box's own width takes its place.
+        // in the plane of a face the far distance is zero: there, the box's own width replaces it.
         let far = far + (far.abs() + near.abs()) * 4.0e-7;
         let t1 = far.x.min(far.y).min(far.z);
         if t0 <= t1.min(t_max) { t0 } else { f32::MAX }

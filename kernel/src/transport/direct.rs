@@ -129,7 +129,7 @@ impl<T: Traverse, S: Sampler> Branches for DirectPath<'_, T, S> {
     }
 }
 
-/// Makes `branch` one of the BSDF samples, divided by their number; says what is next, one of [`step`].
+/// Makes `branch` one of the BSDF samples, divided by their number; returns what is next, one of [`step`].
 #[inline]
 pub fn start_branch(
     branch: &mut Path,

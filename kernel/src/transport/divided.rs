@@ -1,7 +1,7 @@
 //! Path tracing whose light is divided by path expressions ([`crate::path::expression`]).
 //!
 //! A walk from the sensor reads the automata from that end: what it finds of an emitter, and what an emitter sample gives,
-//! belongs to the expressions that match once the emitter is read. A [`DividedPath`] goes beside a path, whose driver tells it
+//! belongs to the expressions that match once the emitter is read. A [`DividedPath`] accompanies a path, whose driver informs it
 //! of each bounce; the path's own numbers and sums are those of [`super::path`], to the bit. Where nothing but the paths of one
 //! expression counts, a walk ends as soon as they cannot be reached any more, and emitter samples of other paths are not
 //! traced.
@@ -21,7 +21,7 @@ use crate::sampler::Sampler;
 use crate::scene::{NONE, SceneView, SurfacePoint, Traverse};
 use glam::Vec3;
 
-/// What goes beside a path, to divide its light.
+/// What accompanies a path, to divide its light.
 #[derive(Clone, Copy, Debug)]
 pub struct DividedPath {
     /// Light of all paths.

@@ -97,11 +97,11 @@ impl VoxelGrid {
                 self.counts[1] as f32,
                 self.counts[2] as f32,
             );
-        let place = origin + direction * t;
+        let position = origin + direction * t;
         let mut cell = [0_u32; 3];
         let mut next = [f32::MAX; 3];
         for axis in 0..3 {
-            let at = (place[axis] - self.low[axis]) / size[axis];
+            let at = (position[axis] - self.low[axis]) / size[axis];
             cell[axis] = (at.max(0.0) as u32).min(self.counts[axis] - 1);
             let side = cell[axis] + u32::from(direction[axis] > 0.0);
             if direction[axis] != 0.0 {

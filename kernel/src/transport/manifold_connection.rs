@@ -40,7 +40,7 @@ pub fn passes(point: &SurfacePoint, before: Vec3, after: Vec3) -> bool {
 #[derive(Clone, Copy)]
 pub struct Anchor {
     point: SurfacePoint,
-    /// From the anchor on; the place of the light is open.
+    /// From the anchor on; the vertex of the light is not set.
     chain: Interfaces,
 }
 
@@ -53,7 +53,7 @@ impl Anchor {
         }
     }
 
-    /// Adds the next interface on the way to the light; says whether there was room.
+    /// Adds the next interface on the way to the light; returns whether there was space.
     #[inline]
     pub fn push(&mut self, interface: ChainVertex) -> bool {
         self.chain.push(interface)

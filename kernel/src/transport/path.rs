@@ -77,7 +77,7 @@ impl Path {
         self.radiance += self.subpath.throughput * emitted * weight;
     }
 
-    /// Gathers what the surface at the ray's end emits; says what is next, one of [`step`].
+    /// Gathers what the surface at the ray's end emits; returns what is next, one of [`step`].
     #[inline]
     pub fn arrive(&mut self, tables: &Tables<'_>, rules: &PathRules, point: &SurfacePoint) -> u32 {
         if self.subpath.is_hidden(rules, point) {
@@ -103,7 +103,7 @@ impl Path {
         }
     }
 
-    /// Leaves the surface along a sampled direction; says whether the path goes on, one of [`step`].
+    /// Leaves the surface along a sampled direction; returns whether the path goes on, one of [`step`].
     #[cfg_attr(target_arch = "spirv", inline)]
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     pub fn scatter<S: Sampler>(
@@ -150,7 +150,7 @@ pub struct SinglePath<'a, T: Traverse, S> {
     pub counts: SampleCounts,
     /// The path's random numbers.
     pub sampler: &'a mut S,
-    /// Room for the surface's BSDF.
+    /// Storage for the surface's BSDF.
     pub bsdf: &'a mut Bsdf,
     /// The path.
     pub path: Path,

@@ -1,8 +1,8 @@
-//! Paths of path tracing, vertex by vertex, for whoever looks at them (Kaplanyan 2017, section 9.1.1.1: enriched vertices).
+//! Paths of path tracing, vertex by vertex, for inspection (Kaplanyan 2017, section 9.1.1.1: enriched vertices).
 //!
 //! A walk from the sensor notes where it scatters, how, and what it carries; whenever it meets light, or an emitter sample is
-//! visible, the path is complete and is handed on with its light: that which it adds to its pixel, weighted against the other
-//! technique that could have found it. So the light of all paths that are handed on adds up to the image. Where a vertex is
+//! visible, the path is complete and is passed on with its light: that which it adds to its pixel, weighted against the other
+//! technique that could have found it. So the light of all paths that are passed on adds up to the image. Where a vertex is
 //! diffuse and glossy at once, it is noted as what has the larger share.
 
 use super::bounce::{bounce, shade};
@@ -43,9 +43,9 @@ pub struct RecordedVertex {
     pub throughput: [f32; 3],
 }
 
-/// Follows one sample along `ray`, whose reconstruction weight is `weight`. `vertices` is room for a path, from the sensor;
+/// Follows one sample along `ray`, whose reconstruction weight is `weight`. `vertices` is storage for a path, from the sensor;
 /// `take` gets each complete path of which the first of `expressions`, if there are any, has a share, with that share of its
-/// light. Longer paths than there is room for end there.
+/// light. Longer paths than fit end there.
 pub fn record_paths<T: Traverse, S: Sampler>(
     view: &SceneView<'_, T>,
     settings: &IntegratorSettings,
@@ -71,7 +71,7 @@ pub fn record_paths<T: Traverse, S: Sampler>(
     let mut count = 1;
     let mut states = expressions.map(PathStates::at_sensor);
     let share = |shares: Option<Shares>| shares.map_or(Vec3::ONE, |shares| shares.of(0));
-    // Room for the vertex that is sampled and for the light.
+    // Storage for the vertex that is sampled and for the light.
     while driver.next != step::END && count + 2 <= vertices.len() {
         let subpath = driver.path.subpath;
         let direction = subpath.ray.direction;

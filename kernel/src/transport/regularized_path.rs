@@ -17,7 +17,7 @@
 //! whose connection to the emitter is a good sampler keep their own BSDF and weights, or a share of them
 //! ([`crate::regularize::heuristic::quality_share`]).
 //!
-//! Virtual merges (section 3.6) take the place of the rougher model for comparison: the BSDF is sampled once more, and the
+//! Virtual merges (section 3.6) replace the rougher model for comparison: the BSDF is sampled once more, and the
 //! light counts if the sample lies in the cone of value tau around it.
 //!
 //! With all lights, every emitter is sampled, not one of them.
@@ -157,7 +157,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
         is_mollified || self.interaction().is_connectable()
     }
 
-    /// Hands on what a chosen light adds.
+    /// Passes on what a chosen light adds.
     fn connect(&mut self, light: &DirectSample) {
         let is_regularized = self.interaction().is_regularized();
         let mut own = BsdfSample::NONE;
@@ -396,7 +396,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Shading
         let is_event = sample.pdf > 0.0 && sample.event & event::NULL == 0;
         if at.is_regularized() && is_event {
             p_hat = if self.has(flag::VIRTUAL_MERGE) {
-                // What the paper takes in its place, for every direction.
+                // What the paper takes instead, for every direction.
                 at.tau
             } else {
                 at.eval_cosine_pdf(&self.single.view.tables, sample.wo).1

@@ -33,7 +33,7 @@ pub fn request(quiet: bool) -> Arc<AtomicBool> {
     request
 }
 
-/// What whoever started the program had ignored: hang-ups (`nohup`), and Ctrl-C of what a script runs in the background.
+/// What the program that started this one had ignored: hang-ups (`nohup`), and Ctrl-C of what a script runs in the background.
 #[cfg(unix)]
 mod ignored {
     const SIGNALS: [libc::c_int; 2] = [libc::SIGHUP, libc::SIGINT];

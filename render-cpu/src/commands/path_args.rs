@@ -35,7 +35,7 @@ pub struct PathArgs {
     /// The paths of some pixels of the whole image alone.
     #[arg(help_heading = "Paths", long, value_name = "X,Y,W,H", value_parser = parse_window)]
     pub pixels: Option<[u32; 4]>,
-    /// What tells clusters of paths apart.
+    /// What distinguishes clusters of paths.
     #[arg(
         help_heading = "Paths",
         long,

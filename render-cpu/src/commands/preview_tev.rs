@@ -27,7 +27,7 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 /// An image in tev.
 pub(super) struct TevPreview {
-    /// Images on their way to the thread, until the last has gone.
+    /// Images sent to the thread, until the last has gone.
     images: Option<SyncSender<Vec<f32>>>,
     /// How the thread ended.
     end: Receiver<io::Result<()>>,

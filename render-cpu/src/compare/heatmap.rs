@@ -45,7 +45,7 @@ pub fn render(map: &[f64], width: usize, largest: f64) -> (usize, usize, Vec<u8>
     let labels = [(0.0, 0.0), (0.5, 0.5 * largest), (1.0, largest)]
         .map(|(part, value)| (part, format!("{value}")));
     let characters: usize = labels.iter().map(|(_, text)| text.len()).sum();
-    // Room for the labels even below a narrow map.
+    // Space for the labels even below a narrow map.
     let full_width = width.max(64).max(8 * (characters + 2));
     let full_height = height + LEGEND_HEIGHT;
     let mut bytes = vec![24; 3 * full_width * full_height];

@@ -220,7 +220,7 @@ pub(super) fn ends<'a>(
     (from_light, from_sensor)
 }
 
-/// Makes sure that walks have room for all states that they can be in.
+/// Makes sure that walks can hold all states that they can be in.
 fn check_capacity(
     light: &Deterministic,
     sensor: &Deterministic,

@@ -2,7 +2,7 @@
 //!
 //! A selection names the vertices at one end of a path, and with a last X the surface to which its light or its importance is
 //! sent: `L S^T+ X` for what has passed through glass, `X S^R E` for what a mirror shows. It is an expression like any other,
-//! whose last letter may be any surface; what tells surfaces apart there is for the edit's source to say.
+//! whose last letter may be any surface; what distinguishes surfaces there is for the edit's source to say.
 
 use super::automaton::{Deterministic, End, Letters};
 use super::compile::{CompiledExpressions, Read, ends};
@@ -134,7 +134,7 @@ fn select(
     Ok(bits)
 }
 
-/// Whether walks that read `own` have room for all pairs of its states and sets of states of `other` that they can be in, where
+/// Whether walks that read `own` can hold all pairs of its states and sets of states of `other` that they can be in, where
 /// the edits `others` are of the other flow.
 fn has_room(
     own: &Deterministic,

@@ -230,7 +230,7 @@ pub fn load_checkpoint(
 }
 
 /// What differs between the settings of a checkpoint and those of a run, in words; empty if nothing does. The path of the scene
-/// does not count: its content does. Digests are named where nothing else tells the two apart.
+/// does not count: its content does. Digests are named where nothing else distinguishes the two.
 pub fn settings_differences(checkpoint: &Settings, run: &Settings) -> String {
     let mut differences = Vec::new();
     let mut digests = Vec::new();

@@ -229,7 +229,7 @@ impl Merger {
         }
     }
 
-    /// Makes room for more pixels.
+    /// Makes space for more pixels.
     fn grow(&mut self, window: Window) {
         if window == self.window {
             return;

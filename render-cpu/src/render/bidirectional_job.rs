@@ -74,7 +74,7 @@ pub struct TileSamples {
     pub regularized: Option<RegularizedSamples>,
 }
 
-/// What is regularised of the samples of a tile, in the place of colours: the luminance, its product with the logarithm of tau or
+/// What is regularised of the samples of a tile, instead of colours: the luminance, its product with the logarithm of tau or
 /// of the radius, and nothing.
 #[derive(Default)]
 pub struct RegularizedSamples {

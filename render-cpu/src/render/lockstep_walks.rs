@@ -8,7 +8,7 @@ use halflight_kernel::scene::{Hit, HitBatch, RayBatch, SceneView};
 /// Rays that are traced together.
 pub(super) const RAYS: usize = 1024;
 
-/// Walks, and room for their rays.
+/// Walks, and storage for their rays.
 pub(super) struct LockstepWalks {
     rays: Box<RayBatch<RAYS>>,
     hits: Box<HitBatch<RAYS>>,
@@ -42,7 +42,7 @@ impl LockstepWalks {
     }
 
     /// Traces the next rays of all walks that have not ended and hands each with its index and what it met to `bounce`,
-    /// which says what is next, one of [`step`].
+    /// which returns what is next, one of [`step`].
     pub fn bounce<T: Traverse>(
         &mut self,
         view: &SceneView<'_, T>,

@@ -13,7 +13,7 @@ use halflight_kernel::scene::NONE;
 use halflight_kernel::transport::integrator_kind;
 use std::path::Path;
 
-/// Name of the settings' entry that tells the shares of an image apart: index of the first sample.
+/// Name of the settings' entry that distinguishes the shares of an image: index of the first sample.
 pub const FIRST_SAMPLE: &str = "first sample";
 /// The other one.
 pub const SEED: &str = "seed";

@@ -28,7 +28,7 @@ struct State<S> {
     next: u32,
 }
 
-/// The paths, and room for their rays.
+/// The paths, and storage for their rays.
 pub struct RegularizedPaths<S> {
     rays: Box<RayBatch<RAYS>>,
     hits: Box<HitBatch<RAYS>>,
@@ -88,12 +88,12 @@ impl<S: LaneSampler> RegularizedPaths<S> {
         }
     }
 
-    /// Whether there is no room for another path.
+    /// Whether there is no space for another path.
     pub fn is_full(&self) -> bool {
         self.states.len() >= RAYS
     }
 
-    /// Adds samples of a pixel at absolute film coordinates, as many of `count` as there is room for; `sample` gives each its
+    /// Adds samples of a pixel at absolute film coordinates, as many of `count` as fit; `sample` gives each its
     /// numbers and its regularisation. Returns how many were added.
     pub fn push_samples<T: Traverse>(
         &mut self,

@@ -61,18 +61,18 @@ struct Run {
 /// What a thread needs for its tiles.
 pub struct Workspace<S> {
     wave: Box<Wavefront<S, SLOTS>>,
-    /// In the wave's place where connections are regularised.
+    /// Instead of the wavefront where connections are regularised.
     regularized: Option<RegularizedPaths<S>>,
     runs: Vec<Run>,
     /// The numbers of those samples from the first on, where surfaces are wanted.
     samplers: Vec<S>,
-    /// What goes beside the paths of an image that is divided, and their parts.
+    /// What accompanies the paths of an image that is divided, and their parts.
     beside: Vec<DividedPath>,
     parts: Vec<Vec3>,
 }
 
 impl<S: LaneSampler> Workspace<S> {
-    /// Room for a wave of paths by the settings.
+    /// Storage for a wave of paths by the settings.
     pub fn new(settings: &IntegratorSettings) -> Workspace<S> {
         let is_regularized = settings.regularization.is_some();
         Workspace {

@@ -62,7 +62,7 @@ impl Device {
         self.allocations.peak.load(Ordering::Relaxed)
     }
 
-    /// Behaves from now on as if the device had room for so many bytes: what a test of that case needs.
+    /// Behaves from now on as if the device had a memory of so many bytes: what a test of that case needs.
     pub fn limit_memory(&self, bytes: u64) {
         self.allocations.limit.store(bytes, Ordering::Relaxed);
     }

@@ -5,7 +5,7 @@
 //! Anisotropic Phong BRDF Model": `D(m) = sqrt((n_x + 2) (n_y + 2)) / (2 pi) m.z^n`, `n` the mean of `n_x` and `n_y`
 //! weighted by the squared cosine and sine of the azimuth of `m`.
 //!
-//! Smith's projected area has no closed form here; Walter et al. put Beckmann's of the same `alpha` in its place, and so
+//! Smith's projected area has no closed form here; Walter et al. put Beckmann's of the same `alpha` instead, and so
 //! does every renderer. At alpha 1 the true projected area at grazing directions is 1.77 times Beckmann's, so that rough
 //! Phong surfaces gain energy at grazing angles: a white furnace returns at most 1.003 at alpha 0.3, 1.07 at 0.5 and 1.35
 //! at 1 (tested). The values agree with other renderers; where energy must be conserved, take another distribution.

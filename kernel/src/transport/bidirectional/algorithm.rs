@@ -30,7 +30,7 @@ pub struct LightSubpath<'a, V> {
     pub shared: SharedWalks,
 }
 
-/// Room for the two ends of a connection.
+/// Storage for the two ends of a connection.
 #[derive(Clone, Copy)]
 pub struct ConnectedPoints {
     /// Where the camera walk has arrived, or a light walk alone.
@@ -165,8 +165,8 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// One bounce of a light walk, from what its ray meets to its next ray: hands what it adds to `found`, keeps the vertex in
-    /// `store`, with `last` the index of the walk's vertex before and then of this, and scatters. Says what is next,
-    /// [`step::TRACE`] or [`step::END`]. `site` is room for the surface.
+    /// `store`, with `last` the index of the walk's vertex before and then of this, and scatters. Returns what is next,
+    /// [`step::TRACE`] or [`step::END`]. `site` is a buffer for the surface.
     pub fn light_bounce<S: Sampler, V: VertexStore>(
         &self,
         walk: &mut Walk,
@@ -216,7 +216,7 @@ impl<'a> Bidirectional<'a> {
 
     /// One bounce of a camera walk, connected to the vertices and to the start of a `light` subpath. `add` takes what may be
     /// shadowed; what the walk found itself is returned with what is next, as [`Bidirectional::light_bounce`] says it.
-    /// `points` is room for the surfaces.
+    /// `points` is a buffer for the surface.
     pub fn camera_bounce<S: Sampler, V: VertexStore>(
         &self,
         walk: &mut Walk,
@@ -288,7 +288,7 @@ impl<'a> Bidirectional<'a> {
         (found, next)
     }
 
-    /// Connections between where a camera walk has arrived and the vertices of a light subpath; `site` is room for those.
+    /// Connections between where a camera walk has arrived and the vertices of a light subpath; `site` is a buffer for those.
     fn connect<V: VertexStore>(
         &self,
         walk: &Walk,

@@ -49,7 +49,7 @@ pub struct DividedSample<'a, 'b, T: Traverse, K, F> {
 impl<'a, 'b, T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)>
     DividedSample<'a, 'b, T, K, F>
 {
-    /// Before the walks of a sample; `light` is room for the states of the light walk. `add` takes each contribution with the
+    /// Before the walks of a sample; `light` is storage for the states of the light walk. `add` takes each contribution with the
     /// shares of the expressions in it; where nothing counts but paths of the first, only those.
     pub fn new(
         view: &'a SceneView<'b, T>,

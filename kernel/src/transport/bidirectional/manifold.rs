@@ -60,19 +60,19 @@ struct LightPart {
     start: Option<ChainVertex>,
     /// The interfaces that it has passed, one after the other from the light on.
     passed: ArrayVec<ChainVertex, MAX_INTERFACES>,
-    /// Whether paths that begin as it does up to the anchor behind them are left, once somebody has asked.
+    /// Whether paths that begin as it does, up to the anchor after them, are left to the connection; not known before it is needed.
     is_left: Option<bool>,
 }
 
-/// What the end of a light walk is to a connection.
+/// The role of the end of a light walk in a connection.
 enum ChainEnd {
     /// None of the paths through it is left, or all of them.
     Known(bool),
-    /// An interface that it passes on its way to the other end; those before it are as many as this.
+    /// An interface through which the path goes on to the other end, and the number of interfaces before it.
     Interface(ChainVertex, usize),
 }
 
-/// Hands on what is not left to connections through interfaces, and makes these.
+/// Passes on what is not left to connections through interfaces, and makes these.
 struct Left<'a, 'b, T: Traverse, F> {
     view: &'a SceneView<'b, T>,
     rules: PathRules,
@@ -117,7 +117,7 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
         }
     }
 
-    /// Whether the connection from an anchor finds the path on to the light by way of the first `count` interfaces of the light walk.
+    /// Whether the connection from an anchor finds the path to the light through the first `count` interfaces of the light walk.
     fn is_found_by_walk(&mut self, mut anchor: Anchor, count: usize) -> bool {
         let Some(light) = self.light.start else {
             return false;
@@ -127,7 +127,7 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
             && anchor.is_found_by_walk(self.view, light, &mut self.scratch)
     }
 
-    /// What vertex `i` of the light walk, whose start is vertex 0, is on a way towards `direction`.
+    /// The role of vertex `i` of the light walk, whose start is vertex 0, in a path that leaves it along `direction`.
     fn light_end(&mut self, i: usize, at: &Interaction<'_>, direction: Vec3) -> ChainEnd {
         let count = self.light.passed.len();
         // Behind a vertex that it has not passed as an interface there is no chain.
@@ -283,7 +283,7 @@ impl<T: Traverse, F: FnMut(Contribution)> PathObserver for Left<'_, '_, T, F> {
         match alpha {
             Some(alpha) if passes => {
                 let vertex = interface_vertex(at.point, at.bsdf, alpha, back);
-                // More than there is room for are no chain.
+                // More than fit are no chain.
                 let _ = self.light.passed.try_push(vertex);
                 true
             }

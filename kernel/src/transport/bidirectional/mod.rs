@@ -10,7 +10,7 @@
 //!
 //! Strategies with t < 2 splat light anywhere on the film. Light tracing is the part with t = 1, unweighted.
 //!
-//! The bounces are steps of [`Walk`](crate::path::Walk)s whose rays somebody else traces: [`sample`] one by one, a front end those of many
+//! The bounces are steps of [`Walk`](crate::path::Walk)s whose rays the caller traces: [`sample`] one at a time, a front end those of many
 //! samples together. Random numbers come from two streams, one for each walk and the connections of its vertices, so that the
 //! length of one walk does not shift the numbers of the other.
 //! Invariants (tests): the mean is that of path tracing; weights of all strategies of a path sum to one.

@@ -37,7 +37,7 @@ pub const CANDIDATES: u32 = 4;
 /// Least cosine that an estimate assumes: e above.
 const LEAST_COSINE: f32 = 0.1;
 
-/// Light walks whose vertices all lie in one store, from its first place on.
+/// Light walks whose vertices all lie in one store, from its first index on.
 #[derive(Clone, Copy, Debug)]
 pub struct SharedWalks {
     /// Their vertices: N above.

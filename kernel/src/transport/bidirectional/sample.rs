@@ -170,7 +170,7 @@ impl<W: Contributions> Contributions for SharedObserver<'_, '_, W> {
     }
 }
 
-/// Hands on what does not lie in shadow, and watches nothing else.
+/// Passes on what does not lie in shadow, and observes nothing else.
 pub struct Unshadowed<'a, 'b, T: Traverse, F> {
     view: &'a SceneView<'b, T>,
     rules: PathRules,

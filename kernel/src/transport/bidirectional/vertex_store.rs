@@ -5,7 +5,7 @@ use crate::path::PathVertex;
 
 /// Where the vertices of light walks are kept.
 pub trait VertexStore {
-    /// Keeps a vertex and returns its index, or [`NONE`](crate::scene::NONE) where there is no room.
+    /// Keeps a vertex and returns its index, or [`NONE`](crate::scene::NONE) where there is no space.
     fn push(&mut self, vertex: &PathVertex) -> u32;
     /// A vertex that was kept.
     fn get(&self, index: u32) -> PathVertex;

@@ -52,7 +52,7 @@ pub struct StepRecord {
 /// What a state is, for tests of the distribution of states.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observation {
-    /// Edges of the path, or places on the film.
+    /// Edges of the path, or positions on the film.
     pub edges: u32,
     /// Its emitter.
     pub emitter: u32,
@@ -90,10 +90,10 @@ pub trait ChainAlgorithm: Sync {
     /// A chain's state.
     type Chain: Send + Sync;
 
-    /// Hands on the weights I / p of the paths of a candidate, as many and in the same order each time.
+    /// Passes on the weights I / p of the paths of a candidate, as many and in the same order each time.
     fn candidate_weights(&self, candidate: u32, add: &mut impl FnMut(f32));
 
-    /// Hands on the film positions of the paths of a candidate, and the luminance of their weights F / p.
+    /// Passes on the film positions of the paths of a candidate, and the luminance of their weights F / p.
     fn candidate_luminances(&self, candidate: u32, add: &mut impl FnMut(Vec2, f32));
 
     /// Chain `number`, at path `member` of a candidate.
@@ -108,7 +108,7 @@ pub trait ChainAlgorithm: Sync {
     /// Names of the mutations.
     fn mutations(&self) -> &'static [&'static str];
 
-    /// Where the last mutation started, and what became of it; nothing if states have no one place on the film.
+    /// Where the last mutation started, and what became of it; nothing if states have no single film position.
     fn last_step(_chain: &Self::Chain) -> Option<StepRecord> {
         None
     }

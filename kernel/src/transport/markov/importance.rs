@@ -1,6 +1,6 @@
 //! How often chains come to the parts of the image: the second stage of a two-stage start (Veach 1997, chapter 11; Mitsuba 0.6: `twoStage`).
 //!
-//! Chains that keep to the luminance of F are where the image is bright, and leave dark parts to a few visits. With a factor w of the
+//! Chains that keep to the luminance of F are where the image is bright, and dark parts get a few visits. With a factor w of the
 //! film position their density is that of I = w luminance(F) instead, and states still count F / I each, so the image stays what
 //! it is. Here
 //!

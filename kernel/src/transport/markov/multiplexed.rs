@@ -139,7 +139,7 @@ impl<T: Traverse> PrimarySpace<'_, T> {
         }
     }
 
-    /// Follows a walk until it has scattered `depth` times; says whether it gets there.
+    /// Follows a walk until it has scattered `depth` times; returns whether it gets there.
     fn trace_subpath<S: Sampler>(
         &self,
         connector: &Connector<'_>,

@@ -24,7 +24,7 @@ use crate::sampler::{FreshSamples, PrimarySamples, mix};
 use crate::scene::Traverse;
 use glam::Vec2;
 
-/// Streams of a group, told apart by what its seed is mixed with.
+/// Streams of a group, distinguished by what its seed is mixed with.
 mod stream {
     pub const CANDIDATE_LIGHT: u32 = 0x510e_527f;
     pub const CANDIDATE_CAMERA: u32 = 0x9b05_688c;

@@ -44,7 +44,7 @@ pub mod technique {
     pub const MULTIPLEXED: u32 = 2;
 }
 
-/// Vertices of a light walk that are kept; a walk ends where there is no more room.
+/// Vertices of a light walk that are kept; a walk ends where there is no more space.
 const MAX_VERTICES: usize = 128;
 
 /// Numbers of a chain.
@@ -72,7 +72,7 @@ pub struct PrimarySpace<'a, T: Traverse> {
     pub(super) view: &'a SceneView<'a, T>,
     pub(super) settings: &'a IntegratorSettings,
     technique: u32,
-    /// Fewest edges of a path that counts: shorter ones are somebody else's.
+    /// Fewest edges of a path that counts; shorter paths are estimated elsewhere.
     min_edges: u32,
     importance: Importance<'a>,
     /// What the image is divided by.

@@ -94,7 +94,7 @@ impl State {
         self.target *= factor;
     }
 
-    /// Hands on the splats times `factor`.
+    /// Passes on the splats times `factor`.
     #[inline]
     pub fn emit(&self, factor: f32, add: &mut impl FnMut(Splat)) {
         for splat in &self.splats {

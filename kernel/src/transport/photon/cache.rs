@@ -250,7 +250,7 @@ impl PhotonQuery {
         query
     }
 
-    /// Goes on to the next range that is not empty; says whether there is one.
+    /// Goes on to the next range that is not empty; returns whether there is one.
     #[inline]
     pub fn advance(&mut self, cache: &PhotonCache<'_>) -> bool {
         while !self.is_done {

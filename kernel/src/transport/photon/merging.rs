@@ -80,7 +80,7 @@ pub fn merge(
     walk.subpath.throughput * sum / photons.emitted.max(1) as f32
 }
 
-/// Hands on the photons that are merged with the vertex where a camera walk has arrived, each with its light there: not yet
+/// Passes on the photons that are merged with the vertex where a camera walk has arrived, each with its light there: not yet
 /// times the walk's throughput, nor divided by the number of light walks.
 #[inline]
 pub fn for_merged(

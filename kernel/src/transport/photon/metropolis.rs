@@ -39,7 +39,7 @@ const GAIN: f32 = 16.0;
 /// Smallest and largest width of small steps, over that of Metropolis light transport.
 const WIDTHS: [f32; 2] = [1.0 / 256.0, 16.0];
 
-/// Tells the replicas apart.
+/// Distinguishes the replicas.
 const UNIFORM: u32 = 0x2b99_2ddf;
 
 /// The photons of walks.
@@ -142,7 +142,7 @@ impl ChainCounts {
 }
 
 impl<T: Traverse> VisiblePhotons<'_, T> {
-    /// `steps` of chain `number`: adds the photons of its states to `out`; `lists` is room for two walks.
+    /// `steps` of chain `number`: adds the photons of its states to `out`; `lists` is storage for two walks.
     pub fn run<P: PhotonPath>(
         &self,
         number: u32,
@@ -201,7 +201,7 @@ impl<T: Traverse> VisiblePhotons<'_, T> {
         counts
     }
 
-    /// Traces a light walk; says whether it is seen.
+    /// Traces a light walk; returns whether it is seen.
     fn trace<S: Sampler, P: PhotonPath>(
         &self,
         sampler: &mut S,

@@ -29,12 +29,12 @@ impl Nearest {
         if self.found == self.wanted && distance2 >= self.distances2[self.wanted - 1] {
             return;
         }
-        let mut place = self.found.min(self.wanted - 1);
-        while place > 0 && self.distances2[place - 1] > distance2 {
-            self.distances2[place] = self.distances2[place - 1];
-            place -= 1;
+        let mut index = self.found.min(self.wanted - 1);
+        while index > 0 && self.distances2[index - 1] > distance2 {
+            self.distances2[index] = self.distances2[index - 1];
+            index -= 1;
         }
-        self.distances2[place] = distance2;
+        self.distances2[index] = distance2;
         self.found = (self.found + 1).min(self.wanted);
     }
 }

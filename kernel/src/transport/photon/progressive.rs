@@ -203,7 +203,7 @@ impl<'a> Progressive<'a> {
         sum
     }
 
-    /// Hands on the photons that [`Progressive::gather`] sums, each with its light.
+    /// Passes on the photons that [`Progressive::gather`] sums, each with its light.
     #[inline]
     pub fn for_gathered(
         &self,

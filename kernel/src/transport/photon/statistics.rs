@@ -171,7 +171,7 @@ impl PhotonStatistics {
     }
 
     /// The Laplacian as far as it stands out from its noise: the root of its square less the variance of its mean, by which the
-    /// square of an estimate is too large on average. Raw, it would take the noise of flat places for curvature.
+    /// square of an estimate is too large on average. Raw, it would take noise in flat regions for curvature.
     #[inline]
     pub fn significant_laplacian(&self) -> f32 {
         let square = self.laplacian * self.laplacian;

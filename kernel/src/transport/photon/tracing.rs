@@ -38,7 +38,7 @@ impl PhotonTracer<'_> {
     }
 
     /// One bounce of a light walk, from what its ray meets to its next ray; keeps the photon where
-    /// a camera walk may gather it. Says what is next, [`step::TRACE`] or [`step::END`]. `site` is room for the surface.
+    /// a camera walk may gather it. Returns what is next, [`step::TRACE`] or [`step::END`]. `site` is a buffer for the surface.
     pub fn light_bounce<S: Sampler, P: PhotonStore>(
         &self,
         walk: &mut Walk,

@@ -18,7 +18,7 @@ use crate::transport::bidirectional::{Bidirectional, PathObserver, VertexStore};
 use crate::transport::photon::merging::PassPhotons;
 use arrayvec::ArrayVec;
 
-/// Vertices of a light walk that are connected; it ends where there is no more room.
+/// Vertices of a light walk that are connected; it ends where there is no more space.
 const MAX_VERTICES: usize = 64;
 
 /// What edits need to know of the vertices of a light walk that are kept, in their order.

@@ -73,7 +73,7 @@ pub(super) fn arrive<S: Sampler>(
     incoming
 }
 
-/// Scatters at a vertex; returns what is next, one of [`step`], and the states then. `watch` hears of the vertex and says whether the walk
+/// Scatters at a vertex; returns what is next, one of [`step`], and the states then. `watch` observes the vertex and returns whether the walk
 /// shall go on.
 pub(super) fn scatter<S: Sampler>(
     connector: &Connector<'_>,

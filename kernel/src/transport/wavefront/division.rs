@@ -16,7 +16,7 @@ use crate::scene::{Tables, lobe_kind};
 use crate::transport::divided::DividedPath;
 use glam::Vec3;
 
-/// Room for what goes beside the paths of a wavefront, and for their parts.
+/// Storage for what accompanies the paths of a wavefront, and for their parts.
 pub struct WaveDivision<'a> {
     /// The expressions.
     pub expressions: PathExpressions<'a>,

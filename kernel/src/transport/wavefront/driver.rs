@@ -50,7 +50,7 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
     /// The most paths that are sure to find a slot each.
     pub const CAPACITY: usize = ShadingQueues::<N>::capacity();
 
-    /// Whether there is no room for another path.
+    /// Whether there is no space for another path.
     pub fn is_full(&self) -> bool {
         self.count as usize >= Self::CAPACITY
     }
@@ -60,13 +60,13 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
         self.remainder = remainder.scale;
     }
 
-    /// Adds a sample of the pixel at absolute film coordinates, if there is room; the numbers of the sampler are those of
+    /// Adds a sample of the pixel at absolute film coordinates, if there is space; the numbers of the sampler are those of
     /// [`sample_pixel`](crate::transport::sample_pixel).
     pub fn push(&mut self, pixel: [u32; 2], sampler: S) {
         self.push_samples(pixel, 1, |_| sampler);
     }
 
-    /// Adds samples 0, 1, ... of a pixel with the samplers of their numbers, as many of `count` as there is room for; returns
+    /// Adds samples 0, 1, ... of a pixel with the samplers of their numbers, as many of `count` as fit; returns
     /// how many.
     #[inline]
     pub fn push_samples(&mut self, pixel: [u32; 2], count: u32, sampler: impl Fn(u32) -> S) -> u32 {

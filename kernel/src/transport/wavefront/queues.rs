@@ -21,7 +21,7 @@ pub(super) const FALLBACK: usize = 1;
 const VARIANTS: u32 = 2;
 /// Number of queues.
 pub(super) const COUNT: usize = (VARIANTS + 2 * bsdf_variant::COUNT) as usize;
-/// In place of a queue: paths that end here and gain nothing.
+/// Instead of a queue: paths that end here and gain nothing.
 const NO_QUEUE: u32 = COUNT as u32;
 /// Added to the queue of paths that meet a sphere: their slots follow those of the triangles.
 const AT_SPHERE: u32 = 32;

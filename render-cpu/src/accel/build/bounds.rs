@@ -158,7 +158,7 @@ fn bounds(
     found
 }
 
-/// A box around the image of a box, with room for the rounding of the map.
+/// A box around the image of a box, enlarged by the rounding error of the map.
 fn transform_bounds(to_world: &[f32; 12], bounds: &Aabb) -> Aabb {
     let center = bounds.center();
     let half = bounds.max - center;

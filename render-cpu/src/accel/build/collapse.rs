@@ -25,7 +25,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Primitives per leaf of a wide tree; the nodes' format has room for three.
+/// Primitives per leaf of a wide tree; the node format holds three.
 const MAX_LEAF: u32 = 3;
 
 /// Binary nodes below this many levels of a large tree are priced by one thread.

@@ -9,7 +9,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 /// The deepest binary tree that is accepted from the builder.
 pub const MAX_BINARY_DEPTH: usize = 96;
 
-/// The deepest wide tree that the walk's stack has room for.
+/// The deepest wide tree that the walk's stack holds.
 pub const MAX_WIDE_DEPTH: usize = 32;
 
 /// Cost of a leaf entry, where that of a node is 1. From 0.4 to 0.7 times of rendering do not differ.

@@ -174,7 +174,7 @@ mod sse2 {
             near: [0.0; 8],
             hits: 0,
         };
-        // SAFETY: the array has room for eight.
+        // SAFETY: the array holds eight.
         unsafe {
             _mm_storeu_ps(children.near.as_mut_ptr(), near0);
             _mm_storeu_ps(children.near.as_mut_ptr().add(4), near1);

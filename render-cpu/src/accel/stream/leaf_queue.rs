@@ -28,7 +28,7 @@ impl LeafQueue {
     }
 
     with_avx512! {
-        /// Appends a leaf entry of each of the lanes of a mask; there must be room for sixteen.
+        /// Appends a leaf entry of each of the lanes of a mask; there must be space for sixteen.
         #[inline]
         pub fn push(&mut self, lanes: u16, entries: W16) {
             let items = entries.shl::<4>() | W16::lane_numbers();

@@ -1,7 +1,7 @@
 //! Sixteen rays in lockstep, each at its own node of the tree, and the stream that feeds them.
 //!
 //! A step takes one node for each of sixteen rays, without a branch on what they are (as graphics hardware does: Aila and
-//! Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs"); a ray that is done makes room for the next of the
+//! Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs"); a ray that is done is replaced by the next of the
 //! stream. What a node leaves of its children is kept as bits (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray
 //! Traversal on GPUs Through Compressed Wide BVHs"), and leaf entries wait in a queue until there are sixteen of them,
 //! whichever rays they are for.

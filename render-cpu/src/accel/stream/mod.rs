@@ -11,7 +11,7 @@
 //! 2. Sixteen rays in a row that start and point alike, as those of a pixel's samples do, are a *packet* ([`packet`]): they
 //!    go through the tree together, and whatever they test is the same for all of them.
 //! 3. Other rays walk in *lockstep* ([`lockstep`]): each at its own node, sixteen at a step, without a branch on what they
-//!    are. A ray that is done makes room for the next one of the stream.
+//!    are. A ray that is done is replaced by the next one of the stream.
 //! 4. Leaves wait in a queue ([`leaf_queue`]) until there are sixteen, whichever rays they are for, and are then tested at
 //!    once ([`leaves`]): triangles and spheres in lanes, other primitives by the walk of single rays.
 //! 5. Rays in lanes and their nearest hits are in [`rays`]; hits go back to where the ray was in the stream.

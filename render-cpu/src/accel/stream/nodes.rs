@@ -1,7 +1,7 @@
 //! Sixteen rays against the children of a node each.
 //!
 //! Nodes are read as five rows of four words (see [`super`]), which are turned into columns whichever nodes they are. A byte
-//! of a plane becomes the second byte of the float 32768 + q by one shuffle into a constant, in place of taking the byte
+//! of a plane becomes the second byte of the float 32768 + q by one shuffle into a constant, instead of taking the byte
 //! out and converting it; the rounding that comes with the larger number is part of the error by which boxes grow.
 
 use super::rays::RayLanes;

@@ -1,7 +1,7 @@
 //! The inspector: a scene, its image and its recorded paths as one page for a browser, which asks no network for anything.
 //!
 //! The page is a template ([`TEMPLATE`]), built from the sources in `render-cpu/inspector` and committed with a stamp of them
-//! ([`crate::source_stamp`]); the data take the place of a mark in it. They are a description in JSON and tables of numbers, each the
+//! ([`crate::source_stamp`]); the data replace a mark in it. They are a description in JSON and tables of numbers, each the
 //! text of an element: little-endian words, deflated, in base64. Browsers decode such tables in a fraction of a second, where
 //! numbers as text, or an object for each path, would take many.
 //!

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// What tells vertices apart.
+/// What distinguishes vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ClusterBy {
     /// The kind of scattering.

@@ -207,7 +207,7 @@ struct GroupJob<'a, T: Traverse> {
 }
 
 impl<T: Traverse + Sync> GroupJob<'_, T> {
-    /// Runs the group and adds it to the film; says whether it was complete.
+    /// Runs the group and adds it to the film; returns whether it was complete.
     fn add<A: ChainAlgorithm>(&self, film: &mut Film, algorithm: &A) -> bool {
         let (pass, group) = (self.pass, self.group);
         let view = pass.view;

@@ -1,6 +1,6 @@
 //! Typed access to the properties of an object.
 //!
-//! `get_*` takes a default, `opt_*` says whether the property is there, `require_*` insists on it. A property that is
+//! `get_*` takes a default, `opt_*` returns whether the property is there, `require_*` insists on it. A property that is
 //! there with a value of another type is an error that names its line. Integers pass for floats.
 
 use std::sync::Arc;

@@ -106,12 +106,12 @@ pub fn prepended(search_paths: &[PathBuf], folder: PathBuf) -> Arc<[PathBuf]> {
         .collect()
 }
 
-/// What is said of an image in the place of a scene.
+/// What is said of an image instead of a scene.
 fn is_an_image(format: &str) -> String {
     format!("is no scene file, but an image of the format {format}")
 }
 
-/// Whether a file in the place of a scene is an image, which is an error in the words of [`Source::read`]. Files that cannot be read
+/// Whether a file instead of a scene is an image, which is an error in the words of [`Source::read`]. Files that cannot be read
 /// are none.
 pub fn refuse_image(path: &Path) -> Result<(), SceneError> {
     /// More than what tells formats.

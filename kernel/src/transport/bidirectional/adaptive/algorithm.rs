@@ -63,7 +63,7 @@ impl<'a> Adaptive<'a> {
     }
 
     /// A camera subpath from the vertex where it has arrived, with the densities to the light and to the sensor there; whether
-    /// there is room for it.
+    /// it fits.
     pub(super) fn push_camera(
         &self,
         camera: &CameraVertex<'_, '_>,

@@ -14,7 +14,7 @@ use crate::scene::emitter::emission::{EmissionSample, light_cosine};
 use crate::scene::{Hit, NONE, SurfacePoint};
 
 impl Adaptive<'_> {
-    /// Where a camera walk arrives: what it meets is handed on, and what is next returned ([`crate::path::arrival`]). The nodes are
+    /// Where a camera walk arrives: what it meets is passed on, and what is next returned ([`crate::path::arrival`]). The nodes are
     /// those of the camera subpath, of which `last` is the last.
     pub(super) fn arrive(
         &self,

@@ -16,7 +16,7 @@ pub const MAX_EDGES: u32 = MAX_INNER as u32;
 /// Most vertices of a subpath, those counted whose masks it passes.
 const MAX_NODES: usize = 2 * MAX_INNER;
 
-/// Room for the two subpaths of a sample.
+/// Storage for the two subpaths of a sample.
 pub struct AdaptiveWorkspace {
     pub(super) light: ArrayVec<PathNode, MAX_NODES>,
     pub(super) camera: ArrayVec<PathNode, MAX_NODES>,

@@ -44,7 +44,7 @@ pub fn held(path: &ChainPath, chain: &PathChain, form: u32) -> Option<HalfVector
     for i in 1..path.edges() {
         let h = chain.half_vector(i, form);
         out.push(match h {
-            // A path that has lost its way is left to other mutations.
+            // A path whose chain cannot be rebuilt is left to other mutations.
             Some(h) if !path.vertices[i].is_smooth() => {
                 if !(h.length_squared() < LARGEST_DRIFT * LARGEST_DRIFT) {
                     return None;
@@ -80,7 +80,7 @@ pub struct Closing<'a> {
 }
 
 impl Closing<'_> {
-    /// The same between ends that stay: a walk, or a jump to another sub-manifold where walks fail both ways.
+    /// The same between ends that stay: a walk, or a jump to another sub-manifold where walks fail in both directions.
     #[allow(clippy::too_many_arguments)]
     pub fn move_or_jump<T: Traverse, const N: usize>(
         &self,
@@ -141,7 +141,7 @@ impl Closing<'_> {
         let mut back = HalfVectors::new();
         back.extend(self.back.iter().copied());
         back[inner].copy_from_slice(&found.reverse_target[1..high - low]);
-        // Densities per area of vertices over those per half vectors, the way back over the way there; what the paths carry is per
+        // Densities per area of vertices over those per half vectors, the reverse step over the forward step; what the paths carry is per
         // half vectors too.
         let per_area = |j: &ChainJacobian<N>| density_factor(j);
         let carried = per_area(&found.jacobian).over(per_area(from));
@@ -152,7 +152,7 @@ impl Closing<'_> {
         }
     }
 
-    /// Finds the vertices of `y` between the ends, of which one is not that of `x`; says whether there are such. What moves
+    /// Finds the vertices of `y` between the ends, of which one is not that of `x`; returns whether there are such. What moves
     /// stands in the chain of `y` then, too.
     #[allow(clippy::too_many_arguments)]
     pub fn close<T: Traverse, const N: usize>(
@@ -264,7 +264,7 @@ fn end_of<T: Traverse>(
     ChainVertex::from_surface_with(&point, reference)
 }
 
-/// Walks meet nothing on their way.
+/// Segments that walks have found pass through no masks.
 pub fn clear_edges(path: &mut ChainPath, low: usize, high: usize) {
     for vertex in &mut path.vertices[low..high] {
         vertex.edge = Edge::CLEAR;

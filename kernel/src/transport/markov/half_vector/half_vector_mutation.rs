@@ -12,7 +12,7 @@
 //!
 //! A half vector takes a step of the smaller of gamma times the width of its lobe and, where the segment ends at the sensor, its
 //! share of a step over the image ([`crate::manifold::step_size`]). Widths belong to a pair of directions, so the density
-//! of the way back takes those of the new path. With all densities per half vectors
+//! of the reverse mutation takes those of the new path. With all densities per half vectors
 //!
 //! ```text
 //! a = f(y) M(y) P(b, c | y) p(h_x | y) / (f(x) M(x) P(b, c | x) p(h_y | x)),
@@ -259,7 +259,7 @@ impl<T: Traverse> Mutation<'_, T> {
         }
     }
 
-    /// The steps of all vertices between the sensor and b, and between b and c; says whether all are finite.
+    /// The steps of all vertices between the sensor and b, and between b and c; returns whether all are finite.
     fn steps<const N: usize>(
         &self,
         path: &ChainPath,

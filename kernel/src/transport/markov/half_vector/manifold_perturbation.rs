@@ -46,14 +46,14 @@ pub const SPECULAR_ANGLE: f32 = 7.0 / 180.0 * PI;
 /// That above which it is not: 13 degrees.
 pub const ROUGH_ANGLE: f32 = 13.0 / 180.0 * PI;
 
-/// Probability that the perturbation starts at the sensor, if there are other ways.
+/// Probability that the perturbation starts at the sensor, if it can start elsewhere.
 const FROM_SENSOR: f32 = 0.25;
 
 const FORM: u32 = half_vector_form::SLOPE;
 
 const ROUGHNESS: u32 = roughness_kind::LOCAL;
 
-/// A way to perturb a path.
+/// A choice of the vertices between which a path is perturbed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// The vertex where the direction turns.
@@ -80,10 +80,10 @@ pub fn p_rough(alpha: f32) -> f32 {
         .min(1.0)
 }
 
-/// Most ways: one from each vertex in both directions.
+/// At most one plan from each vertex in both directions.
 type Plans = ArrayVec<Plan, { 2 * MAX_VERTICES }>;
 
-/// All ways to perturb a path of `k` edges whose vertices are rough or not; the first is from the sensor, if there is such.
+/// All plans for a path of `k` edges whose vertices are rough or not; the first is from the sensor, if there is such.
 /// `may_hit`: whether walks can hit its light; `is_far`: whether that is at infinity.
 pub fn plans(k: usize, rough: &[bool], may_hit: bool, is_far: bool) -> Plans {
     let mut out = Plans::new();

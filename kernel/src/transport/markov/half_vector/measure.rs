@@ -9,14 +9,14 @@
 //! ```
 //!
 //! o_i the direction to the sensor, i_i that to the light; from the lens on the last factor is the importance times the cosine. With
-//! the identity of [`crate::manifold::chain`] it becomes, over the half vectors in place of the positions,
+//! the identity of [`crate::manifold::chain`] it becomes, over the half vectors instead of the positions,
 //!
 //! ```text
 //! f M(l..h),   M(l..h) = G(x_l <-> x_h) / |i_h.n_h| prod_(i=l+1)^(h-1) m_i,
 //! m_i = |do_i / dh_i| |o_i.n_i| q_i / |i_i.n_i|.
 //! ```
 //!
-//! At a discrete event f counts a weight in place of a density over directions to the light, which brings |dh_i / di_i|: what
+//! At a discrete event f counts a weight instead of a density over directions to the light, which brings |dh_i / di_i|: what
 //! is left of m_i is the inverse of [`Path::light_ratio`](crate::path::whole::Path::light_ratio). Checked: chains of every kind
 //! of vertex and end keep the image (`chains` of the front end).
 

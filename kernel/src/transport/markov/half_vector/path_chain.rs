@@ -1,6 +1,6 @@
 //! A whole path as a chain of half vectors, and vertices of chains back into the path.
 //!
-//! The frames of all half vectors hang on one vector that is fixed in space ([`crate::manifold::vertex`]). A mutation draws it
+//! The frames of all half vectors are built around one vector that is fixed in space ([`crate::manifold::vertex`]). A mutation draws it
 //! anew, so that no direction of normals is singular for good; both directions of the mutation use the same.
 //!
 //! A vertex at infinity becomes a point on a plane across its direction, outside of the scene: so is a sensor of parallel rays.
@@ -34,7 +34,7 @@ impl PathChain {
         len: 0,
     };
 
-    /// Takes the vertices of `path`; frames hang on `reference`, roughness is one of [`roughness_kind`].
+    /// Takes the vertices of `path`; frames are built around `reference`, roughness is one of [`roughness_kind`].
     pub fn set(
         &mut self,
         tables: &Tables<'_>,
@@ -129,7 +129,7 @@ impl ChainPair {
         current: 0,
     };
 
-    /// The chain of the current path `x`, and room for that of the proposed one.
+    /// The chain of the current path `x`, and storage for that of the proposed one.
     pub fn begin(
         &mut self,
         tables: &Tables<'_>,
@@ -290,7 +290,7 @@ impl Scattering {
             } else {
                 local_beckmann_roughness(bsdf, tables.data, wc, wl)
             };
-            // A diffuse vertex has no roughness to speak of: it steps as a lobe of slope one does.
+            // A diffuse vertex has no finite roughness: it steps like a lobe of slope deviation one.
             (wc.z * wl.z < 0.0, alpha.min(DIFFUSE_ALPHA))
         } else {
             (vertex.event & event::TRANSMISSION != 0, 0.0)

@@ -1,4 +1,4 @@
-//! Walks of a segment of a path to given half vectors, with the test that the way back exists.
+//! Walks of a segment of a path to given half vectors, with the test that the reverse walk exists.
 //!
 //! One end of the segment may have moved before. The walk there starts from the old vertices between the new ends and leads to the
 //! target; the walk back starts from what was found, between the old ends, and must lead to the old vertices.

@@ -1,4 +1,4 @@
-//! What mutations in half-vector space can be told.
+//! Settings of mutations in half-vector space.
 
 use crate::manifold::half_vector_form;
 use crate::manifold::walk::walk_start;

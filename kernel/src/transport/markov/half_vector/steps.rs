@@ -1,7 +1,7 @@
 //! Steps of half vectors: how far, and their densities.
 //!
 //! The lobes and their widths are those of [`crate::manifold::step_size`]. Where a vertex scatters at all, its step has two
-//! dimensions: widths are at least `NARROWEST`, so that the way there and the way back have densities of the same kind.
+//! dimensions: widths are at least `NARROWEST`, so that the forward and the reverse step have densities of the same kind.
 
 use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::path_chain::PathChain;
@@ -89,7 +89,7 @@ pub fn free_step(x: &ChainVertex, h: Vec2, settings: &HalfVectorSettings) -> Ste
 pub type Steps = ArrayVec<Option<Step>, MAX_VERTICES>;
 
 /// Sets the steps of the inner vertices of a segment that begins at vertex `low`, limited by a step over the image or not, but for
-/// discrete events; says whether all are finite.
+/// discrete events; returns whether all are finite.
 pub fn segment_steps<const N: usize>(
     tables: &Tables<'_>,
     path: &ChainPath,

@@ -20,7 +20,7 @@ use crate::sampler::Sampler;
 use crate::scene::{NONE, Traverse};
 use glam::{Vec2, Vec3};
 
-/// The ray with which a path goes on at a new vertex in place of the old vertex `x`, having come against the unit direction
+/// The ray with which a path goes on at a new vertex instead of the old vertex `x`, having come against the unit direction
 /// `back`: with the half vector `h` of the form, off the side that the old path took.
 pub fn scatter_at(
     vertex: &Vertex,
@@ -61,7 +61,7 @@ pub fn scatter_at(
 }
 
 /// Traces `y` from vertex `from`, which `ray` leaves, to vertex `last` nearer to the light; `half_vector(j)` is what the vertex j
-/// between them shall have. The other vertices of `y` stay. Says whether the path can go on as `x` does.
+/// between them shall have. The other vertices of `y` stay. Returns whether the path can go on as `x` does.
 #[allow(clippy::too_many_arguments)]
 pub fn trace_from_sensor<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The density of y sums over all splits; what was kept has the same density on both sides, so the densities of whole paths
-//! ([`crate::path::whole::Path::strategy_pdf`]) take its place:
+//! ([`crate::path::whole::Path::strategy_pdf`]) replaces it:
 //!
 //! ```text
 //! T(x -> y) / I(y) = P(k') P(m - l) P(l) P(split) sum_s p_s(y) / I(y).
@@ -32,20 +32,20 @@ use crate::scene::{NONE, Traverse, camera, emitter_kind};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-/// The deleted part of a path, and what takes its place.
+/// The deleted part of a path, and what replaces it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
     /// Vertices that are kept at the light: l + 1.
     pub light: usize,
     /// Edges from x_l to x_m, that before the light included.
     pub deleted: usize,
-    /// Edges that take their place.
+    /// Edges that replace them.
     pub added: usize,
 }
 
 /// Two-tailed geometric distribution around `center` over `low` to `high`.
 fn geometric(i: usize, center: usize, low: usize, high: usize) -> f32 {
-    // 2^-|i - c|, for far fewer vertices than the exponent has room for.
+    // 2^-|i - c|, for far fewer vertices than the exponent can hold.
     let weight = |i: usize| f32::from_bits((127 - i.abs_diff(center).min(126) as u32) << 23);
     if i < low || i > high {
         return 0.0;
@@ -128,7 +128,7 @@ impl Change {
     }
 }
 
-/// Makes `y` of `x` by a change; says whether it carries light.
+/// Makes `y` of `x` by a change; returns whether it carries light.
 pub fn propose<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
     x: &ChainPath,

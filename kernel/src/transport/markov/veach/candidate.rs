@@ -1,7 +1,7 @@
 //! Paths from which chains start: all that two walks and their connections make.
 //!
 //! A path that strategy s makes has the weight f / sum_j p_j, the balance heuristic's share of f / p_s, over the probabilities
-//! with which Russian roulette let its two walks live.
+//! of surviving Russian roulette in its two walks.
 //!
 //! With a target that is mollified, a connection makes a path with each of the ends blurred as well, if its materials allow that
 //! ([`ConnectionEnds`]).
@@ -78,7 +78,7 @@ fn walk<T: Traverse, S: Sampler>(
     subpath
 }
 
-/// Hands on all paths of a candidate that may carry light with their weights; `sensor` and `light` are the numbers of its walks.
+/// Passes on all paths of a candidate that may carry light with their weights; `sensor` and `light` are the numbers of its walks.
 pub fn paths<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
     blurring: Blurring,
@@ -253,7 +253,7 @@ impl ConnectionEnds {
     }
 }
 
-/// Hands on the paths of one that is connected at the edge to vertex `s`.
+/// Passes on the paths of one that is connected at the edge to vertex `s`.
 fn for_ends(
     tables: &Tables<'_>,
     path: &mut ChainPath,
@@ -318,7 +318,7 @@ pub fn begin_emission<T: Traverse>(
     });
 }
 
-/// Begins a path with a point of an emitter chosen for a surface; says whether there is one.
+/// Begins a path with a point of an emitter chosen for a surface; returns whether there is one.
 pub fn begin_direct<T: Traverse>(
     tracer: &Tracer<'_, T>,
     path: &mut ChainPath,
@@ -344,7 +344,7 @@ pub fn begin_direct<T: Traverse>(
     true
 }
 
-/// Tests the edge from vertex `i` to the next, and notes what lies there; says whether light passes.
+/// Tests the edge from vertex `i` to the next, and notes what lies there; returns whether light passes.
 pub fn join<T: Traverse>(tracer: &Tracer<'_, T>, path: &mut ChainPath, i: usize) -> bool {
     let tables = &tracer.view.tables;
     let k = path.edges();

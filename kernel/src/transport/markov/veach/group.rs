@@ -16,7 +16,7 @@ use crate::transport::markov::importance::Importance;
 use crate::transport::markov::state::Splat;
 use crate::transport::settings::IntegratorSettings;
 
-/// Streams of a group, told apart by what its seed is mixed with.
+/// Streams of a group, distinguished by what its seed is mixed with.
 pub(super) mod stream {
     pub const CANDIDATE_SENSOR: u32 = 0x428a_2f98;
     pub const CANDIDATE_LIGHT: u32 = 0x7137_4491;
@@ -137,7 +137,7 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         path.edges() >= self.min_edges || path.is_blurred()
     }
 
-    /// Hands on what the choice of a remainder needs to know of the paths of a candidate.
+    /// Passes on what the choice of a remainder needs to know of the paths of a candidate.
     pub fn probe(&self, candidate: u32, mut add: impl FnMut(CandidatePath)) {
         let tables = &self.tracer.view.tables;
         self.candidate(candidate, |path, weight| {

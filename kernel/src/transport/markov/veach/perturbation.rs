@@ -11,7 +11,7 @@
 //! vertex itself if it is such an end: without that nothing would move a caustic that is seen in a blurred mirror.
 //!
 //! The film position moves by r = r2 exp(-ln(r2 / r1) u) pixels in an even direction, r1 = 0.1, r2 = sqrt(0.05 W H / pi), a direction by
-//! an angle of the same law; both densities are the same both ways,
+//! an angle of the same law; both densities are the same in both directions,
 //!
 //! ```text
 //! p = 1 / (2 pi ln(r2 / r1) r^2),    p_w = 1 / (2 pi ln(t2 / t1) t sin t).
@@ -327,7 +327,7 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
     if !join(tracer, y, end) || !tracer.evaluate(y, bsdf) || !events_are_unique(y, start + 1, end) {
         return 0.0;
     }
-    // Not proposed the other way round if the angle is none of y's.
+    // Not proposed in the opposite direction if the angle is none of y's.
     let angle = angle_between(old, direction);
     let back = caustic_angles(tracer, y, chain);
     if !(angle >= back[0] && angle <= back[1]) {

@@ -1,10 +1,9 @@
-//! Manifold exploration: which ways there are to perturb a path, and how directions turn.
+//! Manifold exploration: the plans by which a path is perturbed, and the lobe of perturbed directions.
 
 use glam::{Vec2, Vec3};
 use halflight_kernel::math::Frame;
-use halflight_kernel::transport::markov::half_vector::manifold_perturbation::{
-    DirectionLobe, plans,
-};
+use halflight_kernel::transport::markov::half_vector::direction_lobe::DirectionLobe;
+use halflight_kernel::transport::markov::half_vector::plan::plans;
 
 #[test]
 fn plans_start_at_both_ends() {

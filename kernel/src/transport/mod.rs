@@ -41,7 +41,9 @@ pub mod markov;
 pub mod path;
 pub mod photon;
 pub mod pixel;
+mod regularized_connection;
 pub mod regularized_path;
+pub mod regularized_share;
 // Paths are noted for hosts only, in lists without a limit that shaders have.
 #[cfg(not(target_arch = "spirv"))]
 pub mod recorded;

@@ -26,26 +26,23 @@
 //! the mean goes to the truth as tau grows and r shrinks.
 
 use super::bounce::{Rays, Shading, bounce, shade};
-use super::connection::{SampleCounts, ShadowRay, weighted_contribution};
+use super::connection::ShadowRay;
 use super::path::{Path, SinglePath, step};
+use super::regularized_share::RegularizedShare;
 use super::settings::IntegratorSettings;
-use crate::bsdf::{Bsdf, BsdfSample, event, mode};
-use crate::math::{Ray, Rgb, luminance};
-use crate::path::Interaction;
-use crate::path::mollified::{Blur, mollified};
+use crate::bsdf::{Bsdf, event};
+use crate::math::{Ray, Rgb};
 use crate::path::spread::{Spread, emitter_quality};
 use crate::regularize::bandwidth::TAU_MAX;
 #[cfg(not(target_arch = "spirv"))]
 use crate::regularize::near_specular::is_near_specular;
-use crate::regularize::regularized_bsdf::mixture_bound;
 use crate::regularize::settings::{Regularization, flag};
-use crate::regularize::virtual_merge::virtual_merge;
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::is_infinite;
-use crate::scene::emitter::{self, DirectSample};
+use crate::scene::emitter::{self};
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{NONE, SceneView, Traverse, emitter_kind};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 /// What a path keeps from bounce to bounce beside [`Path`].
 #[derive(Clone, Copy, Debug)]
@@ -67,37 +64,6 @@ impl Adaptive {
     };
 }
 
-/// How much of the light of a connection is regularised.
-#[derive(Clone, Copy, Debug)]
-pub struct RegularizedShare {
-    /// Share of its luminance.
-    pub share: f32,
-    /// tau, or the radius of the blur; zero without any.
-    pub blur: f32,
-}
-
-impl RegularizedShare {
-    /// Nothing of it.
-    const NONE: RegularizedShare = RegularizedShare {
-        share: 0.0,
-        blur: 0.0,
-    };
-
-    /// Blurred by `blur`, in which `part` of `whole` was found.
-    #[inline]
-    fn new(part: Rgb, whole: Rgb, blur: f32) -> RegularizedShare {
-        let (part, whole) = (luminance(part), luminance(whole));
-        if part > 0.0 && whole > 0.0 {
-            RegularizedShare {
-                share: (part / whole).min(1.0),
-                blur,
-            }
-        } else {
-            RegularizedShare::NONE
-        }
-    }
-}
-
 /// One path whose connections are regularised; `shadows` takes their light, which counts where nothing stands in its way, and
 /// how much of it is regularised.
 pub struct RegularizedPath<'a, T: Traverse, S, F> {
@@ -110,9 +76,9 @@ pub struct RegularizedPath<'a, T: Traverse, S, F> {
     /// Where shadow rays go.
     pub shadows: F,
     /// tau of the surface, see [`Interaction::tau`].
-    tau: f32,
+    pub(super) tau: f32,
     /// Where the walk has arrived.
-    arrived: Spread,
+    pub(super) arrived: Spread,
 }
 
 impl<'a, T: Traverse, S, F> RegularizedPath<'a, T, S, F> {
@@ -135,122 +101,12 @@ impl<'a, T: Traverse, S, F> RegularizedPath<'a, T, S, F> {
     }
 
     #[inline]
-    fn has(&self, flags: u32) -> bool {
+    pub(super) fn has(&self, flags: u32) -> bool {
         self.regularization.flags & flags != 0
     }
 }
 
 impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> RegularizedPath<'_, T, S, F> {
-    fn interaction(&self) -> Interaction<'_> {
-        let mut at = self.single.interaction();
-        at.tau = self.tau;
-        at.variant = self.regularization.flags;
-        at
-    }
-
-    /// Whether the surface is connected to emitters.
-    fn is_lit(&self) -> bool {
-        if self.single.next != step::SCATTER {
-            return false;
-        }
-        let is_mollified = self.regularization.radius > 0.0 && self.single.bsdf.has_delta();
-        is_mollified || self.interaction().is_connectable()
-    }
-
-    /// Passes on what a chosen light adds.
-    fn connect(&mut self, light: &DirectSample) {
-        let is_regularized = self.interaction().is_regularized();
-        let mut own = BsdfSample::NONE;
-        if self.has(flag::VIRTUAL_MERGE) && is_regularized && light.is_some() {
-            let u1 = self.single.sampler.next_1d();
-            let u2 = self.single.sampler.next_2d();
-            let at = self.interaction();
-            own = at.bsdf.sample(self.single.view.tables.data, at.wi, u1, u2);
-        }
-        let (mut ray, share) = self.contribution(light, &own);
-        ray.radiance = self.single.path.subpath.throughput * ray.radiance;
-        if ray.is_some() {
-            (self.shadows)(&ray, share);
-        }
-    }
-
-    fn contribution(
-        &self,
-        light: &DirectSample,
-        own: &BsdfSample,
-    ) -> (ShadowRay, RegularizedShare) {
-        let none = (ShadowRay::NONE, RegularizedShare::NONE);
-        if !light.is_some() {
-            return none;
-        }
-        let tables = &self.single.view.tables;
-        let at = self.interaction();
-        let wo = at.point.frame.to_local(light.direction);
-        if !self.single.rules.allows(at.point, light.direction, wo.z) {
-            return none;
-        }
-        if !at.is_regularized() || !self.has(flag::QUALITY) {
-            return self.weighted(light, &at, wo, own);
-        }
-        let rho = mixture_bound(at.bsdf, at.wi.z * wo.z < 0.0);
-        let length = self.arrived.length;
-        let q = emitter_quality(tables, light.emitter, rho, length, light.distance);
-        let share = self.regularization.share(q);
-        let mut sum = Rgb::ZERO;
-        let mut part = Rgb::ZERO;
-        let mut ray = ShadowRay::NONE;
-        for (of, tau) in [(share, self.tau), (1.0 - share, TAU_MAX)] {
-            if of > 0.0 {
-                ray = self.weighted(light, &Interaction { tau, ..at }, wo, own).0;
-                sum += ray.radiance * of;
-                if tau < TAU_MAX {
-                    part = sum;
-                }
-            }
-        }
-        ray.radiance = sum;
-        (ray, RegularizedShare::new(part, sum, self.tau))
-    }
-
-    /// The light of a sample, weighted against the walk. A virtual merge accepts it by the sample `own` of the BSDF.
-    fn weighted(
-        &self,
-        light: &DirectSample,
-        at: &Interaction<'_>,
-        wo: Vec3,
-        own: &BsdfSample,
-    ) -> (ShadowRay, RegularizedShare) {
-        let tables = &self.single.view.tables;
-        let is_merged = self.has(flag::VIRTUAL_MERGE) && at.is_regularized();
-        let (mut value, pdf) = if !is_merged {
-            at.eval_cosine_pdf(tables, wo)
-        } else if own.wo.z * wo.z > 0.0 && own.event & event::NULL == 0 {
-            let merged = virtual_merge(own, wo, at.tau);
-            (merged.value, merged.pdf)
-        } else {
-            (Rgb::ZERO, 0.0)
-        };
-        let mut share = RegularizedShare {
-            share: if at.is_regularized() { 1.0 } else { 0.0 },
-            blur: at.blur(),
-        };
-        let own = &self.regularization;
-        if own.radius > 0.0 && light.is_delta != 0 {
-            let distance = if light.distance < f32::MAX {
-                light.distance
-            } else {
-                tables.info.radius
-            };
-            let blur = Blur::new(own.kernel, own.radius, distance);
-            let rules = &self.single.rules;
-            let blurred = mollified(at, tables, rules, mode::RADIANCE, light.direction, blur);
-            value += blurred;
-            share = RegularizedShare::new(blurred, value, own.radius);
-        }
-        let ray = weighted_contribution(light, at.point, SampleCounts::ONE, value, pdf);
-        (ray, share)
-    }
-
     /// Adds the emission that the walk has met at `end`, an emitter's index and the distance to it, as a mixture of the
     /// regularised and of the plain weights.
     fn arrive_at_emitter(&mut self, emitter: u32, distance: f32) {

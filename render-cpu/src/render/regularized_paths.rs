@@ -12,7 +12,8 @@ use halflight_kernel::scene::{HitBatch, RayBatch, SceneView, scene_flag};
 use halflight_kernel::transport::bounce::shade;
 use halflight_kernel::transport::connection::ShadowRay;
 use halflight_kernel::transport::path::{Path, SinglePath};
-use halflight_kernel::transport::regularized_path::{Adaptive, RegularizedPath, RegularizedShare};
+use halflight_kernel::transport::regularized_path::{Adaptive, RegularizedPath};
+use halflight_kernel::transport::regularized_share::RegularizedShare;
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
 /// A path under way.

@@ -380,11 +380,8 @@ pub fn check(scene: &Scene, samples: u32, weighting: Weighting) -> Checked {
     };
     let mut checked = Checked::default();
     with_view(scene, |view| {
-        let algorithm = Bidirectional::new(&view.tables, &settings).merging(
-            weighting.radius,
-            weighting.emitted,
-            density,
-        );
+        let algorithm = Bidirectional::new(&view.tables, &settings);
+        let algorithm = algorithm.merging(weighting.radius, weighting.emitted, density);
         for number in 0..samples {
             let mut sample = Sample {
                 view,

@@ -72,6 +72,44 @@ fn readme_names_the_rooms_in_this_order() {
     assert_eq!(names, ROOMS);
 }
 
+/// The files and functions that README's path of one sample names, in the folder that its text is in.
+#[test]
+fn readme_names_files_and_functions_that_there_are() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let text = fs::read_to_string(root.join("README.md")).expect("README.md");
+    let section = text
+        .split("\n## ")
+        .find(|s| s.starts_with("How to read the code"));
+    let quoted: Vec<&str> = section.expect("the section").split('`').collect();
+    let (mut folder, mut files, mut functions) = (root.clone(), 0, 0);
+    for i in (1..quoted.len()).step_by(2) {
+        let name = quoted[i];
+        if name == "render-cpu/src" || name == "kernel/src" {
+            folder = root.join(name);
+        }
+        if !name.ends_with(".rs") {
+            continue;
+        }
+        let file = [root.join(name), folder.join(name)];
+        let file = file.iter().find(|file| file.is_file());
+        let code = fs::read_to_string(file.unwrap_or_else(|| panic!("{name}"))).expect("a file");
+        files += 1;
+        if quoted[i + 1].trim_start_matches(char::is_whitespace) == "(" {
+            let function = quoted[i + 2];
+            let is_defined = |c| code.contains(&format!("fn {function}{c}"));
+            assert!(
+                is_defined('(') || is_defined('<'),
+                "{name} has no {function}"
+            );
+            functions += 1;
+        }
+    }
+    assert!(
+        files > 30 && functions > 12,
+        "{files} files, {functions} functions"
+    );
+}
+
 #[test]
 fn circles_by_every_kind_of_import_are_found() {
     let both_ways = [

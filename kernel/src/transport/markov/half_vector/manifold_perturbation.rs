@@ -12,7 +12,7 @@
 //! specular vertices lead from x_a to the light has no x_c.
 //!
 //! Glossy vertices may pass for specular ones that keep their half vector. The cone in which a Beckmann lobe scatters 90 % has the
-//! slope alpha sqrt(ln 10); below [`SPECULAR_ANGLE`] the vertex is specular, above [`ROUGH_ANGLE`] it is not, between the two it
+//! slope alpha sqrt(ln 10); below [`super::plan::SPECULAR_ANGLE`] the vertex is specular, above [`super::plan::ROUGH_ANGLE`] it is not, between the two it
 //! is one or the other at random, with probabilities that belong to the density of the proposal.
 //!
 //! Directions turn by a lobe of von Mises and Fisher's whose peak is lambda^2 times the density with which the direction would be
@@ -21,147 +21,29 @@
 use super::super::algorithm::WalkCounts;
 use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::closing::{Closing, ClosingEnd, held, with_capacity};
+use super::direction_lobe::{DirectionLobe, gaussian};
 use super::measure::{segment_factor, towards_light, vertex_factor};
 use super::path_chain::{ChainPair, PathChain, Scattering};
+use super::plan::{Plan, choose, p_rough, plans};
 use super::reconnection::{Method, Segment};
 use super::settings::{HalfVectorSettings, roughness_kind};
 use super::tracing::{trace_from_light, trace_from_sensor, walked};
 use crate::bsdf::Bsdf;
 use crate::manifold::half_vector_form;
 use crate::manifold::walk::walk_start;
-use crate::math::float::{exp, exp_m1, ln, ln_1p, sin_cos_2pi, sqrt};
+use crate::math::float::{exp, ln, sqrt};
 use crate::math::scaled::Scaled;
-use crate::math::{Frame, Ray, warp};
+use crate::math::{Ray, warp};
 use crate::path::tracer::Tracer;
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, is_delta};
 use crate::scene::{Traverse, camera, emitter_kind};
-use arrayvec::ArrayVec;
 use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
-
-/// Half the opening of the lobe below which a vertex is specular, in radians: 7 degrees.
-pub const SPECULAR_ANGLE: f32 = 7.0 / 180.0 * PI;
-
-/// That above which it is not: 13 degrees.
-pub const ROUGH_ANGLE: f32 = 13.0 / 180.0 * PI;
-
-/// Probability that the perturbation starts at the sensor, if it can start elsewhere.
-const FROM_SENSOR: f32 = 0.25;
 
 const FORM: u32 = half_vector_form::SLOPE;
 
 const ROUGHNESS: u32 = roughness_kind::LOCAL;
-
-/// A choice of the vertices between which a path is perturbed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// The vertex where the direction turns.
-    pub a: usize,
-    /// The vertex that moves with it.
-    pub b: usize,
-    /// The one that stays; none if b is on the light.
-    pub c: Option<usize>,
-}
-
-impl Plan {
-    /// Whether it leads from the sensor's side to the light's.
-    pub fn is_from_sensor(&self) -> bool {
-        self.a > self.b
-    }
-}
-
-/// Probability that a vertex of a roughness is taken as rough.
-pub fn p_rough(alpha: f32) -> f32 {
-    // sqrt(ln 10)
-    let angle = crate::math::float::atan(1.517_427_1 * alpha);
-    ((angle - SPECULAR_ANGLE) / (ROUGH_ANGLE - SPECULAR_ANGLE))
-        .max(0.0)
-        .min(1.0)
-}
-
-/// At most one plan from each vertex in both directions.
-type Plans = ArrayVec<Plan, { 2 * MAX_VERTICES }>;
-
-/// All plans for a path of `k` edges whose vertices are rough or not; the first is from the sensor, if there is such.
-/// `may_hit`: whether walks can hit its light; `is_far`: whether that is at infinity.
-pub fn plans(k: usize, rough: &[bool], may_hit: bool, is_far: bool) -> Plans {
-    let mut out = Plans::new();
-    let is_end = |i: usize| i == 0 || i == k || rough[i];
-    let down = |from: usize| (0..from).rev().find(|&i| is_end(i));
-    let up = |from: usize| (from + 1..=k).find(|&i| is_end(i));
-    for a in (1..=k).rev().filter(|&i| is_end(i)) {
-        let Some(b) = down(a) else { continue };
-        let c = down(b);
-        if b > 0 || may_hit {
-            out.push(Plan { a, b, c });
-        }
-    }
-    for a in (0..k).filter(|&i| is_end(i) && !(i == 0 && is_far)) {
-        if let Some(b) = up(a)
-            && b < k
-        {
-            out.push(Plan { a, b, c: up(b) });
-        }
-    }
-    out
-}
-
-fn choose(plans: &Plans, k: usize, u: f32) -> Plan {
-    let starts_at_sensor = plans[0].a == k;
-    let others = &plans[usize::from(starts_at_sensor)..];
-    if others.is_empty() || starts_at_sensor && u < FROM_SENSOR {
-        return plans[0];
-    }
-    let u = if starts_at_sensor {
-        (u - FROM_SENSOR) / (1.0 - FROM_SENSOR)
-    } else {
-        u
-    };
-    let at = (u * others.len() as f32) as usize;
-    others[at.min(others.len() - 1)]
-}
-
-/// A von Mises-Fisher lobe around a direction.
-#[derive(Clone, Copy, Debug)]
-pub struct DirectionLobe {
-    /// Concentration.
-    pub kappa: f32,
-}
-
-impl DirectionLobe {
-    /// With the peak lambda^2 times the density of the direction.
-    fn new(pdf: f32, lambda: f32) -> DirectionLobe {
-        let pdf = pdf.max(0.25 / PI).min(1e8);
-        DirectionLobe {
-            kappa: (2.0 * PI * pdf * lambda * lambda).max(1.0),
-        }
-    }
-
-    /// A direction near another.
-    pub fn sample(&self, direction: Vec3, u: Vec2) -> Vec3 {
-        // 1 - cos, which the cosine itself would round.
-        let height = -ln_1p(u.x * exp_m1(-2.0 * self.kappa)) / self.kappa;
-        let sin = sqrt((height * (2.0 - height)).max(0.0));
-        let (s, c) = sin_cos_2pi(u.y);
-        Frame::from_normal(direction)
-            .to_world(Vec3::new(sin * c, sin * s, 1.0 - height))
-            .normalize()
-    }
-
-    /// Logarithm of the density per solid angle.
-    pub fn ln_pdf(&self, from: Vec3, to: Vec3) -> f32 {
-        let height = 0.5 * (to - from).length_squared();
-        ln(self.kappa / (2.0 * PI * -exp_m1(-2.0 * self.kappa))) - self.kappa * height
-    }
-}
-
-/// A point of the normal distribution in two dimensions.
-pub fn gaussian(u: Vec2) -> Vec2 {
-    let r = sqrt(-2.0 * ln_1p(-u.x.min(0.999_999_94)));
-    let (s, c) = sin_cos_2pi(u.y);
-    Vec2::new(r * c, r * s)
-}
 
 /// Density with which a walk would sample the direction of a path at `a`.
 fn direction_pdf<T: Traverse>(tracer: &Tracer<'_, T>, path: &ChainPath, plan: &Plan) -> f32 {

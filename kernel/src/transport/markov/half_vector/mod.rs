@@ -8,13 +8,15 @@
 //! - [`tracing`]: ends that move before;
 //! - [`steps`]: steps of half vectors;
 //! - [`half_vector_mutation`]: half-vector space light transport, original and improved;
-//! - [`manifold_perturbation`]: manifold exploration.
+//! - [`manifold_perturbation`]: manifold exploration; [`plan`], [`direction_lobe`]: its choice of vertices, and of directions.
 
 pub mod closing;
+pub mod direction_lobe;
 pub mod half_vector_mutation;
 pub mod manifold_perturbation;
 pub mod measure;
 pub mod path_chain;
+pub mod plan;
 pub mod reconnection;
 pub mod settings;
 pub mod steps;

@@ -211,6 +211,7 @@ pub fn divides_paths(kind: u32) -> bool {
         BIDIRECTIONAL,
         LIGHT_TRACING,
         PROGRESSIVE_PHOTONS,
+        ADAPTIVE_PHOTONS,
         VERTEX_MERGING,
         VEACH_MLT,
         PRIMARY_SAMPLE_MLT,
@@ -224,8 +225,10 @@ pub fn turns_paths(settings: &IntegratorSettings) -> bool {
         PATH,
         BIDIRECTIONAL,
         LIGHT_TRACING,
+        PROGRESSIVE_PHOTONS,
         VERTEX_MERGING,
         PRIMARY_SAMPLE_MLT,
+        VEACH_MLT,
     ]
     .contains(&settings.kind)
 }

@@ -137,14 +137,20 @@ impl PathExpressions<'_> {
     /// Where the letters of a surface point begin, one for each kind of [`scattering`].
     #[inline]
     pub fn first_letter(&self, point: &SurfacePoint) -> u32 {
+        self.first_letter_of(point.shape, point.instance, point.position)
+    }
+
+    /// The same of a point of a shape and an instance; the position is of no account where there are no regions.
+    #[inline]
+    pub fn first_letter_of(&self, shape: u32, instance: u32, position: Vec3) -> u32 {
         let mut inside = 0;
         for i in 0..self.regions.len() {
-            if self.regions[i].contains(point.position) {
+            if self.regions[i].contains(position) {
                 inside |= 1 << i;
             }
         }
-        let object = self.shapes[point.shape as usize] * self.instance_classes
-            + self.instances[point.instance as usize];
+        let object =
+            self.shapes[shape as usize] * self.instance_classes + self.instances[instance as usize];
         ((object << self.regions.len() as u32) + inside) * scattering::COUNT
     }
 

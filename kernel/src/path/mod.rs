@@ -31,7 +31,8 @@
 //!   find out;
 //! - `retarget`, `retarget_states`, `retargeted`: edits, which paths they turn, and what they do at a vertex;
 //! - `through_interfaces`: connections through glass, by walks on manifolds (hosts only);
-//! - `whole`, `whole_blurred`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of all strategies, for Markov chains.
+//! - `whole`, `whole_blurred`, `whole_densities`, `whole_edited`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of
+//!   all strategies, for Markov chains.
 
 pub mod arrival;
 pub mod connection;
@@ -77,6 +78,10 @@ pub mod weight;
 pub mod whole;
 #[cfg(not(target_arch = "spirv"))]
 mod whole_blurred;
+#[cfg(not(target_arch = "spirv"))]
+mod whole_densities;
+#[cfg(not(target_arch = "spirv"))]
+pub mod whole_edited;
 #[cfg(not(target_arch = "spirv"))]
 mod whole_shares;
 #[cfg(not(target_arch = "spirv"))]

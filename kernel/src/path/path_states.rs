@@ -59,10 +59,9 @@ impl PathStates {
         PathStates::one(automaton.after(START, expressions.sensor))
     }
 
-    /// [`PathStates::at_sensor`] in place, without a copy of the whole array.
+    /// In one state, in place, without a copy of the whole array.
     #[inline]
-    pub fn restart_at_sensor(&mut self, expressions: &PathExpressions<'_>) {
-        let state = expressions.from_sensor.after(START, expressions.sensor);
+    pub fn restart(&mut self, state: u32) {
         self.count = (state != DEAD) as u32;
         self.entries[0] = (state, Vec3::ONE);
     }
@@ -112,29 +111,32 @@ impl PathStates {
         point: &SurfacePoint,
         scattered: &Scattered,
     ) -> PathStates {
+        self.after_at(
+            expressions,
+            automaton,
+            expressions.first_letter(point),
+            scattered,
+        )
+    }
+
+    /// The same at a [`PathExpressions::first_letter`].
+    #[inline]
+    #[must_use]
+    pub fn after_at(
+        &self,
+        expressions: &PathExpressions<'_>,
+        automaton: &Automaton<'_>,
+        place: u32,
+        scattered: &Scattered,
+    ) -> PathStates {
         let mut next = PathStates::DEAD;
-        if self.count == 0 {
-            return next;
-        }
-        let place = expressions.first_letter(point);
-        let side = u32::from(scattered.is_transmitted);
         for i in 0..self.count as usize {
-            let (state, weight) = self.entries[i];
-            let mut step = |kind: u32, share: Rgb| {
-                let letter = expressions.letter(place, kind + side);
-                next.add(automaton.after(state, letter), weight * share);
-            };
-            if scattered.is_specular {
-                step(scattering::SPECULAR_REFLECTION, Vec3::ONE);
-            } else {
-                step(scattering::DIFFUSE_REFLECTION, scattered.diffuse);
-                step(scattering::GLOSSY_REFLECTION, Vec3::ONE - scattered.diffuse);
-            }
+            next.step(expressions, automaton, place, scattered, self.entries[i]);
         }
         next
     }
 
-    /// [`PathStates::after`] in place: what most walks need of it, one state and one kind of scattering, at little cost.
+    /// [`PathStates::after`] in place.
     #[inline]
     pub fn advance(
         &mut self,
@@ -143,29 +145,65 @@ impl PathStates {
         point: &SurfacePoint,
         scattered: &Scattered,
     ) {
+        self.advance_at(
+            expressions,
+            automaton,
+            expressions.first_letter(point),
+            scattered,
+        );
+    }
+
+    /// The same at a [`PathExpressions::first_letter`]: what most walks need of it, one or two states and few kinds of scattering, at little
+    /// cost.
+    #[inline]
+    pub fn advance_at(
+        &mut self,
+        expressions: &PathExpressions<'_>,
+        automaton: &Automaton<'_>,
+        place: u32,
+        scattered: &Scattered,
+    ) {
         let kind = scattered.kind();
-        if self.count != 1 {
-            *self = self.after(expressions, automaton, point, scattered);
+        if kind != NONE && self.count == 1 {
+            let letter = expressions.letter(place, kind);
+            let state = automaton.after(self.entries[0].0, letter);
+            self.entries[0].0 = state;
+            self.count = (state != DEAD) as u32;
             return;
         }
-        if kind == NONE {
-            let place = expressions.first_letter(point);
-            let side = scattered.is_transmitted as u32;
-            let (state, weight) = self.entries[0];
-            let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
-            let glossy = expressions.letter(place, scattering::GLOSSY_REFLECTION + side);
-            self.count = 0;
-            self.add(automaton.after(state, diffuse), weight * scattered.diffuse);
-            self.add(
-                automaton.after(state, glossy),
-                weight * (Vec3::ONE - scattered.diffuse),
-            );
+        if self.count > 2 {
+            *self = self.after_at(expressions, automaton, place, scattered);
             return;
         }
-        let letter = expressions.letter(expressions.first_letter(point), kind);
-        let state = automaton.after(self.entries[0].0, letter);
-        self.entries[0].0 = state;
-        self.count = (state != DEAD) as u32;
+        let before = [self.entries[0], self.entries[1]];
+        let count = self.count as usize;
+        self.count = 0;
+        for i in 0..count {
+            self.step(expressions, automaton, place, scattered, before[i]);
+        }
+    }
+
+    /// Adds what a state and its weight come to at a vertex.
+    #[inline]
+    fn step(
+        &mut self,
+        expressions: &PathExpressions<'_>,
+        automaton: &Automaton<'_>,
+        place: u32,
+        scattered: &Scattered,
+        (state, weight): (u32, Rgb),
+    ) {
+        let side = u32::from(scattered.is_transmitted);
+        let mut step = |kind: u32, share: Rgb| {
+            let letter = expressions.letter(place, kind + side);
+            self.add(automaton.after(state, letter), weight * share);
+        };
+        if scattered.is_specular {
+            step(scattering::SPECULAR_REFLECTION, Vec3::ONE);
+        } else {
+            step(scattering::DIFFUSE_REFLECTION, scattered.diffuse);
+            step(scattering::GLOSSY_REFLECTION, Vec3::ONE - scattered.diffuse);
+        }
     }
 
     /// What expressions match a walk from the sensor which is in one state, scatters, and then ends at an emitter; nothing if
@@ -174,37 +212,31 @@ impl PathStates {
     pub fn matched_at_emitter(
         &self,
         expressions: &PathExpressions<'_>,
-        point: &SurfacePoint,
+        place: u32,
         scattered: &Scattered,
         emitter: u32,
     ) -> EmitterMatches {
         if self.count != 1 || emitter == NONE {
             return EmitterMatches::NONE;
         }
-        let automaton = &expressions.from_sensor;
-        let (state, weight) = self.entries[0];
-        let place = expressions.first_letter(point);
-        let last = expressions.emitters[emitter as usize];
-        let kind = scattered.kind();
-        if kind != NONE {
-            let next = automaton.after(state, expressions.letter(place, kind));
-            return EmitterMatches {
-                is_known: true,
-                bits: automaton.matched_with(next, last),
-                weight,
-                glossy_bits: 0,
-                glossy_weight: Vec3::ZERO,
-            };
+        EmitterMatches::of(expressions, self.entries[0], place, scattered, emitter)
+    }
+
+    /// Calls `add` with bits of expressions and their share where a walk from the sensor ends at an emitter.
+    #[inline]
+    pub fn for_shares(
+        &self,
+        expressions: &PathExpressions<'_>,
+        emitter: u32,
+        mut add: impl FnMut(u32, Rgb),
+    ) {
+        if emitter == NONE {
+            return;
         }
-        let side = scattered.is_transmitted as u32;
-        let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
-        let glossy = expressions.letter(place, scattering::GLOSSY_REFLECTION + side);
-        EmitterMatches {
-            is_known: true,
-            bits: automaton.matched_with(automaton.after(state, diffuse), last),
-            weight: weight * scattered.diffuse,
-            glossy_bits: automaton.matched_with(automaton.after(state, glossy), last),
-            glossy_weight: weight * (Vec3::ONE - scattered.diffuse),
+        let letter = expressions.emitters[emitter as usize];
+        for i in 0..self.count as usize {
+            let (state, weight) = self.entries[i];
+            add(expressions.from_sensor.matched_with(state, letter), weight);
         }
     }
 
@@ -217,30 +249,18 @@ impl PathStates {
         light: Rgb,
         sums: &mut [Rgb],
     ) {
-        if emitter == NONE {
-            return;
-        }
-        let letter = expressions.emitters[emitter as usize];
-        for i in 0..self.count as usize {
-            let (state, weight) = self.entries[i];
-            let bits = expressions.from_sensor.matched_with(state, letter);
+        self.for_shares(expressions, emitter, |bits, weight| {
             add_to_parts(bits, light * weight, sums);
-        }
+        });
     }
 
     /// Shares of the expressions in a walk from the sensor that ends at an emitter.
     #[inline]
     pub fn reach_emitter(&self, expressions: &PathExpressions<'_>, emitter: u32) -> Shares {
         let mut shares = Shares::NONE;
-        if emitter == NONE {
-            return shares;
-        }
-        let letter = expressions.emitters[emitter as usize];
-        for i in 0..self.count as usize {
-            let (state, weight) = self.entries[i];
-            let bits = expressions.from_sensor.matched_with(state, letter);
+        self.for_shares(expressions, emitter, |bits, weight| {
             shares.add(expressions.count, bits, weight);
-        }
+        });
         shares
     }
 
@@ -298,6 +318,40 @@ impl EmitterMatches {
         glossy_bits: 0,
         glossy_weight: Vec3::ZERO,
     };
+
+    /// Of a walk in a state with a weight, at a [`PathExpressions::first_letter`].
+    #[inline]
+    pub fn of(
+        expressions: &PathExpressions<'_>,
+        (state, weight): (u32, Rgb),
+        place: u32,
+        scattered: &Scattered,
+        emitter: u32,
+    ) -> EmitterMatches {
+        let automaton = &expressions.from_sensor;
+        let last = expressions.emitters[emitter as usize];
+        let kind = scattered.kind();
+        if kind != NONE {
+            let next = automaton.after(state, expressions.letter(place, kind));
+            return EmitterMatches {
+                is_known: true,
+                bits: automaton.matched_with(next, last),
+                weight,
+                glossy_bits: 0,
+                glossy_weight: Vec3::ZERO,
+            };
+        }
+        let side = scattered.is_transmitted as u32;
+        let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
+        let glossy = expressions.letter(place, scattering::GLOSSY_REFLECTION + side);
+        EmitterMatches {
+            is_known: true,
+            bits: automaton.matched_with(automaton.after(state, diffuse), last),
+            weight: weight * scattered.diffuse,
+            glossy_bits: automaton.matched_with(automaton.after(state, glossy), last),
+            glossy_weight: weight * (Vec3::ONE - scattered.diffuse),
+        }
+    }
 }
 
 /// The share of each expression in the light of a path, per channel.

@@ -30,7 +30,7 @@ use super::expression::{Automaton, PathExpressions, START, scattering};
 use super::retarget::Edit;
 use super::scattered::Scattered;
 use crate::math::{Rgb, luminance};
-use crate::scene::NONE;
+use crate::scene::{NONE, SurfacePoint};
 use glam::Vec3;
 
 /// Most pairs of a walk. A front end makes sure that it is enough for its edits.
@@ -58,6 +58,19 @@ impl<'a> Edits<'a> {
         } else {
             &self.words.from_sensor
         }
+    }
+}
+
+impl Edits<'_> {
+    /// Labels of a flow that a vertex can have at an edge along the unit direction, as bits.
+    pub fn labels(&self, flow: u32, point: &SurfacePoint, direction: Vec3) -> u32 {
+        let mut labels = 1;
+        for (i, edit) in self.list.iter().enumerate() {
+            if edit.flow == flow && edit.origin_at(point, direction).is_some() {
+                labels |= 2 << i;
+            }
+        }
+        labels
     }
 }
 

@@ -9,12 +9,13 @@
 //! Hosts only, as edits are.
 
 use super::expression::scattering;
-use super::retarget::{Edit, MAX_EDITS, Redirection, flow};
+use super::retarget::{Edit, MAX_EDITS, Redirection};
 use super::retarget_states::{Choice, EditStates, Edits, VertexReading, label};
 use super::scattered::Scattered;
 use crate::bsdf::{Bsdf, diffuse_share, event, lobe};
 use crate::math::Rgb;
 use crate::scene::{SurfacePoint, lobe_kind};
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 /// The direction from which a walk came to a vertex, as edits of the other flow may have redirected it.
@@ -41,6 +42,46 @@ impl IncomingDirection {
         }
     }
 
+    /// Along a direction `back` that the edit of a label of the flow `other` has turned, if it can have.
+    pub fn labelled(
+        edits: &Edits<'_>,
+        other: u32,
+        point: &SurfacePoint,
+        back: Vec3,
+        label: u32,
+    ) -> Option<IncomingDirection> {
+        let mut incoming = IncomingDirection::unedited(back);
+        if label > 0 {
+            let edit = &edits.list[label as usize - 1];
+            if edit.flow != other {
+                return None;
+            }
+            let origin = edit.origin_at(point, back)?;
+            incoming.back = origin.direction;
+            incoming.jacobian = origin.jacobian;
+            incoming.factor = edit.value(point, origin.direction, back, origin.jacobian);
+        }
+        incoming.choice = choice(edits, other, point, incoming.back, label);
+        Some(incoming)
+    }
+
+    /// All ways in which a walk of the states may have come to `point` against the unit direction `back`, of which it guesses each with
+    /// the same probability.
+    pub fn ways(
+        edits: &Edits<'_>,
+        states: &EditStates,
+        point: &SurfacePoint,
+        bsdf: &Bsdf,
+        back: Vec3,
+    ) -> ArrayVec<IncomingDirection, { MAX_EDITS + 1 }> {
+        let other = 1 - states.flow();
+        let (place, may) = (edits.words.first_letter(point), scattering_kinds(bsdf));
+        (0..=edits.list.len().min(MAX_EDITS) as u32)
+            .filter_map(|label| IncomingDirection::labelled(edits, other, point, back, label))
+            .filter(|incoming| states.may_choose(edits, place, may, incoming.choice))
+            .collect()
+    }
+
     /// Guesses how a walk that has come to `point` against the unit direction `back` got there. `draw` gives a number, which is
     /// only asked for where there is a choice. The factor is zero if no path counts that comes this way.
     pub fn guess(
@@ -51,43 +92,20 @@ impl IncomingDirection {
         back: Vec3,
         draw: impl FnOnce() -> f32,
     ) -> IncomingDirection {
-        let other = 1 - states.flow();
-        let (place, may) = (edits.words.first_letter(point), scattering_kinds(bsdf));
-        let mut found = [IncomingDirection::unedited(back); MAX_EDITS + 1];
-        let mut count = 0;
-        for label in 0..=edits.list.len().min(MAX_EDITS) as u32 {
-            let mut incoming = IncomingDirection::unedited(back);
-            if label > 0 {
-                let edit = &edits.list[label as usize - 1];
-                if edit.flow != other {
-                    continue;
-                }
-                let Some(origin) = edit.origin_at(point, back) else {
-                    continue;
-                };
-                incoming.back = origin.direction;
-                incoming.jacobian = origin.jacobian;
-                incoming.factor = edit.value(point, origin.direction, back, origin.jacobian);
-            }
-            incoming.choice = choice(edits, other, point, incoming.back, label);
-            if states.may_choose(edits, place, may, incoming.choice) {
-                found[count] = incoming;
-                count += 1;
-            }
-        }
-        if count == 0 {
-            return IncomingDirection {
+        let ways = IncomingDirection::ways(edits, states, point, bsdf, back);
+        let count = ways.len();
+        match count {
+            0 => IncomingDirection {
                 factor: Vec3::ZERO,
                 ..IncomingDirection::unedited(back)
-            };
+            },
+            1 => ways[0],
+            _ => {
+                let mut incoming = ways[((draw() * count as f32) as usize).min(count - 1)];
+                incoming.factor *= count as f32;
+                incoming
+            }
         }
-        if count == 1 {
-            return found[0];
-        }
-        let chosen = ((draw() * count as f32) as usize).min(count - 1);
-        let mut incoming = found[chosen];
-        incoming.factor *= count as f32;
-        incoming
     }
 }
 
@@ -207,13 +225,7 @@ impl Retargeted<'_> {
 
     /// Labels with which a path may go on along a unit direction, as bits.
     pub fn labels(&self, point: &SurfacePoint, direction: Vec3) -> u32 {
-        let mut labels = 1;
-        for (i, edit) in self.edits.list.iter().enumerate() {
-            if edit.flow == self.states.flow() && edit.origin_at(point, direction).is_some() {
-                labels |= 2 << i;
-            }
-        }
-        labels
+        self.edits.labels(self.states.flow(), point, direction)
     }
 
     /// How the automata read the vertex in a path that goes on along a direction which the BSDF knows as `before`.
@@ -237,6 +249,34 @@ impl Retargeted<'_> {
         self.states.after(self.edits, &reading)
     }
 
+    /// Luminance of the shares of what is scattered by their labels, in a direction that the edits of the bits `within` may turn.
+    fn shares(
+        &self,
+        point: &SurfacePoint,
+        scattered: &Scattered,
+        within: u32,
+    ) -> [f32; MAX_EDITS + 1] {
+        let place = self.edits.words.first_letter(point);
+        let other = self.incoming.choice;
+        self.states
+            .own_labels(self.edits, place, scattered, other, within)
+    }
+
+    /// The probability with which [`Retargeted::redirect`] gives the label to a sample that the BSDF knows as `before`.
+    pub fn probability(&self, point: &SurfacePoint, scattered: &Scattered, before: Vec3) -> f32 {
+        let choice = choice(self.edits, self.states.flow(), point, before, self.label);
+        if choice.within == 0 {
+            return 1.0;
+        }
+        let shares = self.shares(point, scattered, choice.within);
+        let total: f32 = shares.iter().sum();
+        if total > 0.0 {
+            shares[self.label as usize] / total
+        } else {
+            0.0
+        }
+    }
+
     /// Turns a sampled direction; where only a part of what is scattered is selected, `draw` decides.
     pub fn redirect(
         &self,
@@ -249,16 +289,11 @@ impl Retargeted<'_> {
             value: self.incoming.factor,
             ..RedirectedSample::unedited(before)
         };
-        let flow = self.states.flow();
-        let choice = choice(self.edits, flow, point, before, 0);
+        let choice = choice(self.edits, self.states.flow(), point, before, 0);
         if choice.within == 0 {
             return straight;
         }
-        let place = self.edits.words.first_letter(point);
-        let other = self.incoming.choice;
-        let weights = self
-            .states
-            .own_labels(self.edits, place, scattered, other, choice.within);
+        let weights = self.shares(point, scattered, choice.within);
         let total: f32 = weights.iter().sum();
         let first = weights.iter().position(|w| *w > 0.0).unwrap_or(0);
         let mut chosen = first;
@@ -292,10 +327,5 @@ impl Retargeted<'_> {
             value: value * edit.value(point, before, redirected.direction, jacobian),
             label: label(1 << (chosen - 1)),
         }
-    }
-
-    /// Whether the walk goes with the light.
-    pub fn is_light_walk(&self) -> bool {
-        self.states.flow() == flow::LIGHT
     }
 }

@@ -7,9 +7,11 @@
 //! Hosts only, as [`super::whole`].
 
 use super::remainder::Remainder;
+use super::retarget_states::Edits;
 use super::rules::PathRules;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
 use super::whole::Path;
+use super::whole_edited::EditedWalk;
 use super::whole_vertex::{Edge, SMOOTH, Vertex, p_through};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::Ray;
@@ -35,6 +37,8 @@ pub struct Tracer<'a, T: Traverse> {
     pub rules: PathRules,
     /// What path tracing beside it leaves, if there is such.
     pub beside: Option<Remainder>,
+    /// The edits of the scene's light transport.
+    pub edits: Option<&'a Edits<'a>>,
 }
 
 impl<T: Traverse> Clone for Tracer<'_, T> {
@@ -45,7 +49,7 @@ impl<T: Traverse> Clone for Tracer<'_, T> {
 
 impl<T: Traverse> Copy for Tracer<'_, T> {}
 
-impl<T: Traverse> Tracer<'_, T> {
+impl<'a, T: Traverse> Tracer<'a, T> {
     /// [`Path::evaluate`], less what path tracing keeps of the path.
     pub fn evaluate<const N: usize>(&self, path: &mut Path<N>, bsdf: &mut Bsdf) -> bool {
         self.evaluate_and(path, bsdf, |_, _, _, _| {})
@@ -59,7 +63,7 @@ impl<T: Traverse> Tracer<'_, T> {
         visit: impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
     ) -> bool {
         let tables = &self.view.tables;
-        if !path.evaluate_and(tables, &self.rules, bsdf, visit) {
+        if !path.evaluate_and(tables, &self.rules, self.edits, bsdf, visit) {
             return false;
         }
         let Some(remainder) = &self.beside else {
@@ -139,9 +143,35 @@ impl<T: Traverse> Tracer<'_, T> {
         None
     }
 
-    /// Samples how a walk that came against the unit direction `back` leaves a vertex, and notes the event there.
+    /// A walk from the sensor that draws labels; nothing where there are no edits.
+    pub fn from_sensor(&self) -> Option<EditedWalk<'a>> {
+        self.edits.map(EditedWalk::at_sensor)
+    }
+
+    /// The same from an emitter.
+    pub fn from_emitter(&self, emitter: u32) -> Option<EditedWalk<'a>> {
+        self.edits
+            .map(|edits| EditedWalk::at_emitter(edits, emitter))
+    }
+
+    /// Draws the label of a vertex to which a walk that draws them has come against `back`; returns whether there is one.
+    pub fn guess<S: Sampler>(
+        &self,
+        walk: Option<&EditedWalk<'_>>,
+        vertex: &mut Vertex,
+        back: Vec3,
+        bsdf: &mut Bsdf,
+        sampler: &mut S,
+    ) -> bool {
+        let tables = &self.view.tables;
+        walk.is_none_or(|walk| walk.guess(tables, vertex, back, bsdf, sampler))
+    }
+
+    /// Samples how a walk that came against the unit direction `back` leaves a vertex, and notes the event there, with its label if
+    /// the walk draws them.
     pub fn scatter<S: Sampler>(
         &self,
+        walk: &mut Option<EditedWalk<'_>>,
         vertex: &mut Vertex,
         back: Vec3,
         bsdf: &mut Bsdf,
@@ -150,9 +180,15 @@ impl<T: Traverse> Tracer<'_, T> {
         let tables = &self.view.tables;
         let (u1, u2) = (sampler.next_1d(), sampler.next_2d());
         let point = &vertex.point;
-        let wi = point.frame.to_local(back);
+        let mut wi = point.frame.to_local(back);
         if !self.rules.allows(point, back, wi.z) {
             return None;
+        }
+        let mut arrival = None;
+        if let Some(walk) = walk {
+            let known = walk.incoming(vertex, back)?;
+            wi = point.frame.to_local(known.back);
+            arrival = Some(known);
         }
         bsdf.look_up(tables, point, wi, mode::RADIANCE);
         let sample = bsdf.sample(tables.data, wi, u1, u2);
@@ -164,8 +200,14 @@ impl<T: Traverse> Tracer<'_, T> {
         } else {
             SMOOTH
         };
-        let direction = point.frame.to_world(sample.wo).normalize();
-        let allowed = self.rules.allows(point, direction, sample.wo.z);
+        let mut direction = point.frame.to_world(sample.wo).normalize();
+        let mut cosine = sample.wo.z;
+        if let (Some(walk), Some(arrival)) = (walk, arrival) {
+            direction = walk.leave(tables, vertex, arrival, bsdf, &sample, direction, sampler);
+            cosine = vertex.point.frame.n.dot(direction);
+        }
+        let point = &vertex.point;
+        let allowed = self.rules.allows(point, direction, cosine);
         allowed.then(|| point.spawn(direction))
     }
 }

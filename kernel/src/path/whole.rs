@@ -27,21 +27,23 @@
 //! extent or without a direction have formal densities, which no strategy but those that start on them or choose
 //! them can have, so that they cancel.
 //!
-//! Every strategy's estimate of the path is then f / p_s, whatever the measure ([`Path::strategy_pdf`]).
+//! Every strategy's estimate of the path is then f / p_s, whatever the measure (`whole_densities.rs`).
 //! Invariant (tests): paths weighted by f / sum_s p_s have the image of bidirectional path tracing, block by block.
 //!
 //! With [`Blurring`], one vertex of a path that nothing samples may be specular and connected all the same (`whole_blurred.rs`).
+//! Where edits turn directions, vertices have labels (`whole_edited.rs`).
 //!
 //! Hosts only: a path holds its surface points, because chains come back to them many times.
 
+use super::retarget_states::Edits;
 use super::rules::PathRules;
 use super::specular::discrete;
 use super::whole_vertex::{BLURRED, Vertex};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Rgb, float, luminance, vec3};
-use crate::scene::emitter::emission::{self, is_delta, is_infinite};
-use crate::scene::emitter::{self, area_radiance, delta, environment_radiance};
-use crate::scene::{NONE, SurfacePoint, Tables, camera, emitter_kind};
+use crate::scene::emitter::emission::is_infinite;
+use crate::scene::emitter::{area_radiance, delta, environment_radiance};
+use crate::scene::{NONE, Tables, camera, emitter_kind};
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
@@ -145,17 +147,25 @@ impl<const N: usize> Path<N> {
     }
 
     /// Looks up what the sensor and the light say of the path's ends, and all of its vertices; returns whether it carries light.
-    /// Positions, discrete events, the emitter, the lens numbers, transmittances and `to_light` of lights at infinity are given.
-    pub fn evaluate(&mut self, tables: &Tables<'_>, rules: &PathRules, bsdf: &mut Bsdf) -> bool {
-        self.evaluate_and(tables, rules, bsdf, |_, _, _, _| {})
+    /// Positions, discrete events, labels of edits, the emitter, the lens numbers, transmittances and `to_light` of lights at infinity
+    /// are given.
+    pub fn evaluate(
+        &mut self,
+        tables: &Tables<'_>,
+        rules: &PathRules,
+        edits: Option<&Edits<'_>>,
+        bsdf: &mut Bsdf,
+    ) -> bool {
+        self.evaluate_and(tables, rules, edits, bsdf, |_, _, _, _| {})
     }
 
-    /// The same, and calls `visit` with the index of each inner vertex, the local directions to the sensor and to the light, and
-    /// the BSDF: of a discrete event that looked up for the latter, else for the former.
+    /// The same, and calls `visit` with the index of each inner vertex, the local directions to the sensor and to the light as the
+    /// BSDF knows them, and the BSDF: of a discrete event that looked up for the latter, else for the former.
     pub fn evaluate_and(
         &mut self,
         tables: &Tables<'_>,
         rules: &PathRules,
+        edits: Option<&Edits<'_>>,
         bsdf: &mut Bsdf,
         mut visit: impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
     ) -> bool {
@@ -193,13 +203,20 @@ impl<const N: usize> Path<N> {
         }
         let mut value = self.emitted(tables);
         for i in 1..k {
-            if !(value.max_element() > 0.0) || !self.look_up(tables, rules, i, bsdf, &mut visit) {
+            if !(value.max_element() > 0.0)
+                || !self.look_up(tables, rules, edits, i, bsdf, &mut visit)
+            {
                 return false;
             }
             value *= self.vertices[i].value;
         }
         for vertex in &self.vertices[..k] {
             value *= vertex.edge.transmittance;
+        }
+        if let Some(edits) = edits
+            && value.max_element() > 0.0
+        {
+            value *= self.share_of_labels(tables, edits, bsdf);
         }
         if !(value.max_element() > 0.0) || !value.is_finite() {
             return false;
@@ -225,6 +242,7 @@ impl<const N: usize> Path<N> {
         &mut self,
         tables: &Tables<'_>,
         rules: &PathRules,
+        edits: Option<&Edits<'_>>,
         i: usize,
         bsdf: &mut Bsdf,
         visit: &mut impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
@@ -249,24 +267,29 @@ impl<const N: usize> Path<N> {
             vertex.ratio = 1.0;
             return value.max_element() > 0.0 && value.is_finite();
         }
+        let Some(turned) = vertex.edited(edits, to_sensor, to_light) else {
+            return false;
+        };
+        let (wc, wl) = (turned.to_sensor, turned.to_light);
+        let [of_light, of_importance] = turned.jacobians;
         let vertex = &mut self.vertices[i];
         let point = &vertex.point;
         bsdf.look_up(tables, point, wc, mode::RADIANCE);
         if vertex.is_smooth() {
             let both = bsdf.eval_cosine_pdf_both(tables, point, wc, wl, false);
-            vertex.value = both.value;
-            vertex.pdf_to_light = both.pdf;
-            vertex.pdf_to_sensor = both.pdf_reverse;
+            vertex.value = both.value * turned.value;
+            vertex.pdf_to_light = both.pdf * of_importance;
+            vertex.pdf_to_sensor = both.pdf_reverse * of_light;
             vertex.ratio = 1.0;
         } else {
             let forward = discrete(bsdf, tables, wc, wl, vertex.event);
             bsdf.look_up(tables, point, wl, mode::RADIANCE);
             let back = discrete(bsdf, tables, wl, wc, vertex.event);
-            vertex.value = forward.value;
+            vertex.value = forward.value * turned.value;
             vertex.pdf_to_light = forward.pdf;
             vertex.pdf_to_sensor = back.pdf;
             // The relative index of the reverse direction leads from the light's side to the sensor's.
-            vertex.ratio = 1.0 / (float::sqr(forward.eta) * back.exchange);
+            vertex.ratio = of_light / of_importance / (float::sqr(forward.eta) * back.exchange);
             vertex.is_unique = forward.is_unique && back.is_unique;
         }
         let is_lit = vertex.value.max_element() > 0.0;
@@ -328,71 +351,5 @@ impl<const N: usize> Path<N> {
     /// cos_i / cos_0 of a light subpath's last vertex `i` >= 1.
     pub fn end_ratio(&self, tables: &Tables<'_>, i: usize) -> f32 {
         self.cosine(i, self.previous_direction(i)) / self.light_cosine(tables)
-    }
-
-    /// p_s: density of the strategy with `s` vertices from the light, of which the sensor's subpath has at least the lens; zero
-    /// where there is no such strategy. With `keeps_light` the point of the strategy s = 1 is the start of a light walk.
-    pub fn strategy_pdf(&self, tables: &Tables<'_>, s: usize, keeps_light: bool) -> f32 {
-        let k = self.edges();
-        let kind = tables.emitters[self.emitter as usize].kind;
-        let joins = |i: usize| i == 0 || i == k || self.vertices[i].is_smooth();
-        if self.joined != 0 && s != self.joined {
-            return 0.0;
-        }
-        if s > k || (s == 0 && is_delta(kind)) || (s > 0 && !(joins(s - 1) && joins(s))) {
-            return 0.0;
-        }
-        if s == 1 && k == 1 && kind != emitter_kind::AREA {
-            return 0.0;
-        }
-        let mut pdf = 1.0;
-        // From the sensor.
-        for j in s..k {
-            if j + 1 < k {
-                pdf *= self.vertices[j + 1].pdf_to_light;
-            }
-            pdf *= self.vertices[j].edge.pass;
-            if j > 0 {
-                pdf *= self.vertices[j].stop;
-            }
-        }
-        if s == 0 {
-            return pdf;
-        }
-        let outgoing = -self.to_light;
-        let emitted = emission::density(tables, self.emitter, &self.vertices[0].point, outgoing);
-        if s == 1 {
-            if k == 1 || keeps_light {
-                let density = if is_infinite(kind) {
-                    // Its direction, and no position.
-                    self.direction_pdf(tables)
-                } else {
-                    emitted.position
-                };
-                return pdf * density * self.solid_angle_per_area(tables, 0);
-            }
-            let reference = self.vertices[1].point.position;
-            let light = &self.vertices[0].point;
-            let direct = emitter::pdf_direct_of(tables, self.emitter, reference, light, outgoing);
-            // Of a point light the density is one over the choice, and its intensity is not over d^2.
-            let is_point = is_delta(kind) && !is_infinite(kind);
-            let scale = if is_point { self.distance2(0) } else { 1.0 };
-            return pdf * direct * scale;
-        }
-        pdf *= emitted.product();
-        for i in 0..s - 1 {
-            pdf *= self.vertices[i].edge.pass * self.vertices[i + 1].stop;
-            if i > 0 {
-                pdf *= self.vertices[i].pdf_to_sensor * self.light_ratio(i);
-            }
-        }
-        pdf * self.end_ratio(tables, s - 1) * self.solid_angle_per_area(tables, s - 1)
-    }
-
-    /// Density of the direction of a light at infinity, the choice of the emitter included.
-    fn direction_pdf(&self, tables: &Tables<'_>) -> f32 {
-        let outgoing = -self.to_light;
-        let density = emission::density(tables, self.emitter, &SurfacePoint::ZERO, outgoing);
-        density.direction * tables.emitters[self.emitter as usize].selection_pdf
     }
 }

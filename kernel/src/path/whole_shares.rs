@@ -4,6 +4,7 @@
 
 use super::expression::PathExpressions;
 use super::path_states::{PathStates, Shares};
+use super::retarget_states::Edits;
 use super::scattered::Scattered;
 use super::whole::Path;
 use crate::bsdf::{Bsdf, mode};
@@ -15,6 +16,7 @@ impl<const N: usize> Path<N> {
         &self,
         tables: &Tables<'_>,
         expressions: &PathExpressions<'_>,
+        edits: Option<&Edits<'_>>,
         bsdf: &mut Bsdf,
     ) -> Shares {
         let mut states = PathStates::at_emitter(expressions, self.emitter);
@@ -22,10 +24,13 @@ impl<const N: usize> Path<N> {
             let vertex = &self.vertices[i];
             let point = &vertex.point;
             let scattered = if vertex.is_smooth() {
-                let to_sensor = point.frame.to_local(self.next_direction(i));
-                let to_light = point.frame.to_local(self.previous_direction(i));
+                let (next, previous) = (self.next_direction(i), self.previous_direction(i));
+                let Some(turned) = vertex.edited(edits, next, previous) else {
+                    return Shares::NONE;
+                };
+                let to_sensor = turned.to_sensor;
                 bsdf.look_up(tables, point, to_sensor, mode::RADIANCE);
-                Scattered::smooth(bsdf, tables.data, to_sensor, to_light)
+                Scattered::smooth(bsdf, tables.data, to_sensor, turned.to_light)
             } else {
                 Scattered::specular(vertex.event)
             };

@@ -37,6 +37,11 @@ pub struct Vertex {
     pub stop: f32,
     /// The edge to the next vertex.
     pub edge: Edge,
+    /// By the flow of edits, one of [`super::retarget::flow`]: one more than the number of the edit that has turned the direction
+    /// which leads on with it, of light to the next vertex and of importance to the one before; zero for none.
+    pub labels: [u32; 2],
+    /// By the flow with which a walk goes: probability that it guesses the label of the other.
+    pub guesses: [f32; 2],
 }
 
 /// What lies along an edge of a whole path.
@@ -84,6 +89,8 @@ impl Vertex {
             ratio: 1.0,
             stop: 1.0 - p_through(tables, point).max_element().min(1.0),
             edge: Edge::CLEAR,
+            labels: [0; 2],
+            guesses: [1.0; 2],
         }
     }
 

@@ -6,7 +6,7 @@
 //! Invariant (tests): pi times the radiance in a closed room of constant radiance, and cos / d^2 under a point light.
 
 use super::bounce::{Shading, bounce, shade};
-use super::divided::DividedPath;
+use super::divided::{DividedPath, Mixture};
 use super::path::{Path, SinglePath, step};
 use super::settings::IntegratorSettings;
 use crate::bsdf::{Bsdf, Lobe};
@@ -28,6 +28,7 @@ pub fn irradiance<T: Traverse, S: Sampler>(
 ) -> Rgb {
     let mut bsdf = Bsdf::BLACK;
     let mut divided = DividedPath::NONE;
+    let mut mixture = Mixture::NONE;
     let mut parts = [Vec3::ZERO; crate::path::expression::MAX_PARTS];
     let count = expressions.map_or(0, |e| e.count as usize);
     let parts = &mut parts[..count];
@@ -57,7 +58,7 @@ pub fn irradiance<T: Traverse, S: Sampler>(
                 shade(driver);
             }
             if let Some(expressions) = expressions {
-                divided.shaded(expressions, driver, direction, depth, parts);
+                divided.shaded(expressions, &mut mixture, driver, direction, depth, parts);
             }
         });
         is_first = is_first && driver.path.subpath.depth == 0;
@@ -65,7 +66,7 @@ pub fn irradiance<T: Traverse, S: Sampler>(
         driver.path.radiance = Vec3::ZERO;
         match expressions {
             Some(expressions) if light.max_element() > 0.0 => {
-                divided.add_direct(expressions, light, parts);
+                divided.add_direct(expressions, &mixture, light, parts);
             }
             _ => found += light,
         }

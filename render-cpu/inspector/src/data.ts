@@ -29,6 +29,16 @@ export interface MeasuredPlot {
   integral: [number, number, number];
 }
 
+/** A box of medium in which light walks were followed. */
+export interface MeasuredVolume {
+  low: [number, number, number];
+  high: [number, number, number];
+  voxels: [number, number, number];
+  walks: number;
+  /** Mean fluence rate of the voxels, in W/m². */
+  mean: number;
+}
+
 /** The description. */
 export interface SceneData {
   title: string;
@@ -45,6 +55,7 @@ export interface SceneData {
   mesh: { triangles: number; of: number };
   record: { count: number; found: number; luminance: number; samples: number; expression: string | null };
   plots: MeasuredPlot[];
+  volume: MeasuredVolume | null;
 }
 
 /** The recorded paths as columns; vertices go from the sensor to the light. */
@@ -70,6 +81,8 @@ export interface Data {
   image: Float32Array;
   irradiance: Float32Array | null;
   plots: Float32Array[];
+  /** Of each voxel of the volume that was measured, x fastest. */
+  volume: Float32Array;
 }
 
 function text(id: string): string | null {
@@ -96,7 +109,7 @@ export async function readData(): Promise<Data> {
   const words = async (name: string) => new Uint32Array((await bytes(name)) ?? new ArrayBuffer(0));
   const small = async (name: string) => new Uint8Array((await bytes(name)) ?? new ArrayBuffer(0));
   const plotNames = scene.plots.map((_, i) => `plot-${i}`);
-  const [positions, indices, image, irradiance, pixels, light, weights, counts, kinds, objects, places, throughputs, ...plots] =
+  const [positions, indices, image, irradiance, pixels, light, weights, counts, kinds, objects, places, throughputs, volume, ...plots] =
     await Promise.all([
       floats("positions"),
       words("indices"),
@@ -110,6 +123,7 @@ export async function readData(): Promise<Data> {
       words("vertex-objects"),
       floats("vertex-positions"),
       floats("vertex-throughputs"),
+      floats("volume"),
       ...plotNames.map(floats),
     ]);
   const starts = new Uint32Array(counts.length + 1);
@@ -122,6 +136,7 @@ export async function readData(): Promise<Data> {
     image,
     irradiance: scene.image.has_irradiance ? irradiance : null,
     plots,
+    volume,
   };
 }
 

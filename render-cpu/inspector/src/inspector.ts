@@ -71,6 +71,7 @@ export class Inspector {
   /** Leaves nothing in a state that this scene does not have. */
   private fit(state: State): void {
     if (state.measured !== null && !this.data.scene.plots[state.measured]) state.measured = null;
+    if (!this.data.scene.volume) state.medium = false;
     if (!this.data.irradiance) state.quantity = "radiance";
     if (state.tool === "plot" && !state.probe && this.data.scene.plots.length > 0) state.measured ??= 0;
   }
@@ -188,14 +189,14 @@ export class Inspector {
         showLegend("space-legend", scale, what);
       }
     }
-    if (this.isNew("volume", isVolume, ...(isVolume ? [this.version, this.box, state.voxels, state.density, scaled] : []))) {
+    if (this.isNew("volume", isVolume, ...(isVolume ? [this.version, this.box, state.medium, state.voxels, state.density, scaled] : []))) {
       const volume = isVolume ? this.volume() : null;
       const scale = volume && scaleOf(volume.values, state.least, state.most, this.isLog);
       const size = volume ? Math.max(...volume.high.map((h, i) => h - volume.low[i])) : 1;
       this.space.setVolume(volume, scale, (4 * state.density) / size);
       if (isVolume) {
         this.scale = scale;
-        showLegend("space-legend", scale, "recorded light, per m²");
+        showLegend("space-legend", scale, state.medium ? "fluence rate, W/m²" : "recorded light, per m²");
       }
     }
     if (!isPlot && !isVolume) showLegend("space-legend", null, "");
@@ -216,6 +217,8 @@ export class Inspector {
 
   volume(): Volume {
     const { state, data, selection } = this;
+    const measured = data.scene.volume;
+    if (state.medium && measured) return { low: measured.low, high: measured.high, size: measured.voxels, values: data.volume };
     const box = this.box;
     const low = [0, 1, 2].map((a) => box[a] - 0.5 * box[3 + a]);
     const high = [0, 1, 2].map((a) => box[a] + 0.5 * box[3 + a]);

@@ -112,10 +112,23 @@ function point(inspector: Inspector, where: number[] | null, set: (point: number
 }
 
 function volume(inspector: Inspector): Node[] {
-  const { state } = inspector;
+  const { state, data } = inspector;
   const set = inspector.set.bind(inspector);
   const box = inspector.box;
+  const measured = data.scene.volume;
+  const source = measured
+    ? [row("Source", choice("Source", [["paths", "chosen paths"], ["measured", "measured"]], state.medium ? "measured" : "paths", (v) => set({ medium: v === "measured" })))]
+    : [];
+  const density = row("Density", slider("Density", [-1.5, 1.5, 0.05], Math.log10(state.density), (v) => (10 ** v).toFixed(2), (v) => set({ density: 10 ** v })));
+  if (measured && state.medium)
+    return [
+      ...source,
+      density,
+      el("p", {}, `Fluence rate in ${measured.voxels.join(" × ")} voxels, by ${measured.walks} light walks; its mean is ${short(measured.mean)} W/m².`),
+      ...scaleRows(inspector, "A box of thin mist: every voxel shows the light that passes through it, whether it comes to the image or not."),
+    ];
   return [
+    ...source,
     row("Centre", point(inspector, box.slice(0, 3), (p) => set({ box: [...p, ...box.slice(3)] }))),
     row("Size", point(inspector, box.slice(3), (p) => set({ box: [...box.slice(0, 3), ...p.map((v) => Math.max(1e-6, v))] }))),
     row(
@@ -124,7 +137,7 @@ function volume(inspector: Inspector): Node[] {
       el("button", { type: "button", onclick: () => set({ box: inspector.boxAroundProbe() }), disabled: !state.probe && !state.ball }, "around the probe"),
     ),
     row("Voxels", slider("Voxels", [8, 96, 4], state.voxels, String, (voxels) => set({ voxels }))),
-    row("Density", slider("Density", [-1.5, 1.5, 0.05], Math.log10(state.density), (v) => (10 ** v).toFixed(2), (v) => set({ density: 10 ** v }))),
+    density,
     ...scaleRows(inspector, "A box of thin mist: every voxel shows the light that the chosen paths carry through it."),
   ];
 }

@@ -35,6 +35,8 @@ export interface State {
   reach: number;
   /** A plot that was measured, instead. */
   measured: number | null;
+  /** Shows the volume that was measured, and not that of recorded paths. */
+  medium: boolean;
   /** Centre and size of the box of voxels. */
   box: number[] | null;
   voxels: number;
@@ -64,6 +66,7 @@ export const BEGIN: Readonly<State> = {
   probe: null,
   reach: 0.08,
   measured: null,
+  medium: false,
   box: null,
   voxels: 48,
   density: 1,
@@ -91,6 +94,7 @@ const NAMES: Record<keyof State, string> = {
   probe: "probe",
   reach: "reach",
   measured: "plot",
+  medium: "medium",
   box: "box",
   voxels: "voxels",
   density: "density",
@@ -130,7 +134,7 @@ export function fromFragment(fragment: string): State {
     if (found === null || found === "" || !Number.isFinite(Number(found))) return;
     state[key] = Math.min(high, Math.max(low, Number(found)));
   };
-  const flag = (key: "lines" | "arrows" | "dots" | "log") => {
+  const flag = (key: "lines" | "arrows" | "dots" | "log" | "medium") => {
     const found = get(key);
     if (found !== null) state[key] = found === "1";
   };
@@ -157,6 +161,7 @@ export function fromFragment(fragment: string): State {
   flag("arrows");
   flag("dots");
   flag("log");
+  flag("medium");
   try {
     const cluster: unknown = JSON.parse(get("cluster") ?? "[]");
     if (Array.isArray(cluster) && cluster.every((l) => typeof l === "string")) state.cluster = cluster;

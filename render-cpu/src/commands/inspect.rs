@@ -145,11 +145,10 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
             let own = &args.volume;
             let volume = own.measure(&view, &scene, expressions.as_ref(), args.seed)?;
             let film = volume.film(&view, &scene, args.spp, args.seed)?;
-            let values: Vec<f64> = (volume.fluence.iter())
-                .map(|v| luminance(v.to_array().map(f64::from)))
-                .collect();
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            let most = values.iter().fold(0.0, |a: f64, b| a.max(*b));
+            let values = volume.luminance();
+            let sum: f64 = values.iter().map(|v| f64::from(*v)).sum();
+            let mean = sum / values.len() as f64;
+            let most = values.iter().fold(0.0, |a: f32, b| a.max(*b));
             let [nx, ny, nz] = volume.grid.counts;
             summary = format!("{nx} x {ny} x {nz} voxels, mean fluence rate {mean:.4e} W/m²");
             let pixels = tone_map(&film.mean(), Exposure::Stops(0.0));

@@ -105,6 +105,11 @@ pub(super) fn run(
         );
         plots.push((probe, plot));
     }
+    let own = &args.volume;
+    let volume = match own.bounds {
+        Some(_) => Some(own.measure(&view, &scene, parts.view().as_ref(), args.seed)?),
+        None => None,
+    };
     let file = args.scene.scene.file_name().unwrap_or_default();
     let page = Page {
         title: file.to_string_lossy().into_owned(),
@@ -114,6 +119,7 @@ pub(super) fn run(
         irradiance: Some(&irradiance),
         record: &record,
         plots: &plots,
+        volume: volume.as_ref().map(|volume| (volume, own.walks)),
         most_triangles: args.page.triangles as usize,
     };
     write_atomically(&args.output, |stream| page.write(&view, stream))?;

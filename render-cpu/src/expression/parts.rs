@@ -122,7 +122,7 @@ pub enum PartsError {
     Twice(String),
     /// The algorithm does not know the paths of what it adds.
     #[error(
-        "--lpe and --only are not for {0}: use path, ptracer, bdpt, sppm, vcm, mlt, erpt, pssmlt or mmlt"
+        "--lpe and --only are not for {0}: use path, ptracer, bdpt, sppm, appm, vcm, mlt, erpt, pssmlt or mmlt"
     )]
     Algorithm(String),
     /// Photons among edits know which edits apply to them, and nothing else of their paths.

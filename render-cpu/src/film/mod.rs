@@ -57,6 +57,20 @@ pub struct Film {
     chain_counts: ChainCounts,
 }
 
+/// Sums that are kept of a part: of its samples, and where the film keeps variances, of their squares.
+pub fn sums_per_part(aovs: AovSet) -> usize {
+    if aovs.contains(Aov::Variance) {
+        2 * CHANNELS
+    } else {
+        CHANNELS
+    }
+}
+
+/// Sums that are kept of a pixel: those of output variables, then those of parts.
+pub fn sums_per_pixel(aovs: AovSet, parts: usize) -> usize {
+    aovs.accumulators() + sums_per_part(aovs) * parts
+}
+
 impl Film {
     /// Most pixels of a film: 2^30, a square of 32768.
     pub const MAX_PIXELS: u64 = 1 << 30;
@@ -95,7 +109,7 @@ impl Film {
         }
         let pixels = usize::try_from(pixels).map_err(|_| too_large())?;
         let sums = pixels
-            .checked_mul(aovs.accumulators() + CHANNELS * parts.len())
+            .checked_mul(sums_per_pixel(aovs, parts.len()))
             .ok_or_else(too_large)?;
         let mut statistics = Vec::new();
         statistics
@@ -151,7 +165,12 @@ impl Film {
 
     /// Sums that are kept of a pixel: those of output variables, then those of parts.
     pub fn sums_per_pixel(&self) -> usize {
-        self.aovs.accumulators() + CHANNELS * self.parts.len()
+        sums_per_pixel(self.aovs, self.parts.len())
+    }
+
+    fn part_sum(&self, part: usize, number: usize, pixel: usize) -> f64 {
+        let first = pixel * self.sums_per_pixel() + self.aovs.accumulators();
+        self.aov_sums[first + sums_per_part(self.aovs) * part + number]
     }
 
     /// Mean of one channel of a part over the samples of a pixel; zero where there is no sample.
@@ -160,8 +179,21 @@ impl Film {
         if count == 0 {
             return 0.0;
         }
-        let first = pixel * self.sums_per_pixel() + self.aovs.accumulators();
-        self.aov_sums[first + CHANNELS * part + channel] / f64::from(count)
+        self.part_sum(part, channel, pixel) / f64::from(count)
+    }
+
+    /// Estimated variance of that mean, if the film keeps variances; zero below two samples.
+    pub fn part_variance(&self, part: usize, channel: usize, pixel: usize) -> Option<f64> {
+        if !self.aovs.contains(Aov::Variance) {
+            return None;
+        }
+        let n = f64::from(self.statistics[pixel].count);
+        if n < 2.0 {
+            return Some(0.0);
+        }
+        let sum = self.part_sum(part, channel, pixel);
+        let squares = self.part_sum(part, CHANNELS + channel, pixel);
+        Some((squares - sum * sum / n).max(0.0) / (n * (n - 1.0)))
     }
 
     /// Sums of the enabled output variables and of the parts, [`Film::sums_per_pixel`] numbers per pixel, by rows.

@@ -1,7 +1,7 @@
 //! Parts of a film that one thread works on: a pixel, a rectangle of pixels.
 
-use super::PixelStatistics;
 use super::aov::{Aov, AovSample, AovSet, BANDWIDTH_NUMBERS};
+use super::{PixelStatistics, sums_per_part};
 use glam::Vec3;
 
 /// A sample whose largest component is brought down to `clamp`, its colour kept. What is not finite stays so.
@@ -45,6 +45,11 @@ impl PixelMut<'_> {
     /// Adds the parts of a sample whose whole is `radiance`, which is added by itself: they are clamped as it is, and count as
     /// black where it is not finite.
     pub fn add_parts(&mut self, radiance: Vec3, parts: &[Vec3]) {
+        self.add_some_parts(radiance, parts, u32::MAX);
+    }
+
+    /// The same of the parts alone whose bits are set.
+    pub fn add_some_parts(&mut self, radiance: Vec3, parts: &[Vec3], bits: u32) {
         let most = radiance.abs().max_element();
         let scale = if most > self.clamp {
             self.clamp / most
@@ -55,13 +60,21 @@ impl PixelMut<'_> {
             return;
         }
         let sums = &mut self.aov_sums[self.aovs.accumulators()..];
-        for (sum, part) in sums.chunks_exact_mut(3).zip(parts) {
-            // Most samples are of few parts.
-            if *part == Vec3::ZERO {
-                continue;
-            }
+        let keeps_squares = self.aovs.contains(Aov::Variance);
+        let per_part = sums_per_part(self.aovs);
+        let mut left = match parts.len() {
+            0 => 0,
+            count => bits & u32::MAX >> (32 - count.min(32)),
+        };
+        while left != 0 {
+            let i = left.trailing_zeros() as usize;
+            left &= left - 1;
             for c in 0..3 {
-                sum[c] += f64::from(part[c] * scale);
+                let part = f64::from(parts[i][c] * scale);
+                sums[per_part * i + c] += part;
+                if keeps_squares {
+                    sums[per_part * i + 3 + c] += part * part;
+                }
             }
         }
     }

@@ -5,7 +5,7 @@
 //! volume is a function of its seed.
 
 use super::pixel_film::pixel_film;
-use crate::film::{Film, FilmError};
+use crate::film::{Film, FilmError, luminance};
 use crate::scene::build::Scene;
 use glam::DVec3;
 use halflight_kernel::math::Rgb;
@@ -77,6 +77,12 @@ impl LightVolume {
             })
             .collect();
         LightVolume { grid, fluence }
+    }
+
+    /// Luminance of the fluence rate of each voxel.
+    pub fn luminance(&self) -> Vec<f32> {
+        let of = |v: &Rgb| luminance(v.to_array().map(f64::from)) as f32;
+        self.fluence.iter().map(of).collect()
     }
 
     /// The image of a scene with the medium in it, by path tracing: what surfaces show, dimmed by the medium, and what it scatters.

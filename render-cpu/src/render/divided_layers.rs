@@ -8,11 +8,12 @@
 use super::backend::PassEnd;
 use super::film_tiles::{Tile, pixel, tile_samples};
 use super::first_radii::FirstRadii;
-use super::followed_samples::{Followed, FollowedSamples, Found, sample_adaptive};
+use super::followed_samples::{Followed, FollowedSamples, Found, OwnRadii, sample_adaptive};
 use super::layer_photons::{regularization, trace_photons};
 use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
 use super::photon_pass::{Idle, PhotonTask};
+use super::photon_statistics::{PixelStatistics, update};
 use super::pilot::{PilotDensity, Pilots};
 use super::splat::SplatFilter;
 use super::surface_sample::surface_sample;
@@ -25,11 +26,12 @@ use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::transport::bidirectional::adaptive::{Adaptive, AdaptivePhotons};
 use halflight_kernel::transport::bidirectional::{Bidirectional, DividedPhotons};
 use halflight_kernel::transport::integrator_kind;
+use halflight_kernel::transport::photon::adaptive::next_radii;
 use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::progressive::{
     Progressive, light_walks, pass_radius, radius_after,
 };
-use halflight_kernel::transport::retargeted::bidirectional::EditedPhotons;
+use halflight_kernel::transport::retargeted::photons::EditedPhotons;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 /// Rows whose samples one thread takes, and whose splats one thread adds, at a time.
@@ -106,6 +108,8 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
             edited,
         };
         let keeps_regularized = film.aovs().contains(Aov::Regularization);
+        let statistics = PixelStatistics::new(film);
+        let is_own = settings.kind == integrator_kind::ADAPTIVE_PHOTONS;
         let found: Option<Vec<Found>> = (0..height.div_ceil(ROWS))
             .into_par_iter()
             .map(|band| {
@@ -120,10 +124,18 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                 };
                 let mut samples =
                     tile_samples(view, pass.options.seed, layer, tile, &pass.new_sampler);
-                let radii: Option<Vec<f32>> = first_radii.map(|first| {
-                    let of_pass = |first| radius_after(first, settings, layer);
-                    first.of_tile(tile).map(of_pass).collect()
-                });
+                let radii = match first_radii {
+                    Some(first) if is_own => {
+                        let known = statistics.of_tile(tile).zip(first.of_tile(tile));
+                        let next = |(s, first)| next_radii(&view.tables, settings, &s, first);
+                        OwnRadii::Adaptive(known.map(next).collect())
+                    }
+                    Some(first) => {
+                        let of_pass = |first| radius_after(first, settings, layer);
+                        OwnRadii::Scheduled(first.of_tile(tile).map(of_pass).collect())
+                    }
+                    None => OwnRadii::Shared,
+                };
                 pass.stop.took(samples.len());
                 if let Some(adaptive) = &adaptive {
                     let photons = nodes.as_ref();
@@ -136,13 +148,16 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                         &mut samples,
                     ));
                 }
-                Some(one_by_one.sample_rows(radii.as_deref(), &mut samples))
+                Some(one_by_one.sample_rows(&radii, &mut samples))
             })
             .collect();
         let Some(found) = found else {
             return PassEnd::Cut;
         };
         add_layer(pass, layer, film, &filter, &found);
+        if let Some(first) = first_radii.filter(|_| is_own) {
+            add_statistics(pass, film, first, &found);
+        }
     }
     PassEnd::Complete
 }
@@ -176,12 +191,12 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
             followed.edits.copied(),
             idle,
         ),
-        integrator_kind::PROGRESSIVE_PHOTONS => {
+        integrator_kind::PROGRESSIVE_PHOTONS | integrator_kind::ADAPTIVE_PHOTONS => {
             let task = PhotonTask {
                 view,
                 tracer: Progressive::new(&view.tables, settings).tracer(),
                 expressions,
-                edits: None,
+                edits: followed.edits.copied(),
                 adaptive: None,
                 emitted: light_walks(&view.tables, settings),
                 seed: pass.options.seed,
@@ -192,6 +207,28 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
         _ => return Photons::None,
     };
     sorted.map_or(Photons::Interrupted, Photons::Sorted)
+}
+
+/// Adds what a layer has found to the statistics of adaptive photon mapping.
+fn add_statistics<T: Traverse + Sync, S>(
+    pass: &PassContext<'_, T, S>,
+    film: &mut Film,
+    first: &FirstRadii,
+    found: &[Found],
+) {
+    let (tables, settings) = (&pass.view.tables, pass.settings);
+    let emitted = light_walks(tables, settings);
+    let (width, mut top) = (film.width(), 0);
+    for found in found {
+        for (i, sums) in (0..).zip(&found.statistics) {
+            let (x, y) = (i % width, top + i / width);
+            if let Some(numbers) = film.pixel_mut(x, y).bandwidth_numbers() {
+                let first = first.of_pixel(x, y);
+                update(tables, settings, numbers, sums, emitted, first);
+            }
+        }
+        top += ROWS;
+    }
 }
 
 /// Adds a layer to the film.

@@ -20,9 +20,11 @@ use halflight_kernel::transport::bidirectional::{
     Bidirectional, DividedPhotons, DividedSample, PathObserver, StateStore, Unshadowed, counted,
     sample_observed,
 };
+use halflight_kernel::transport::photon::adaptive::AdaptiveRadii;
 use halflight_kernel::transport::photon::divided::sample_among_photons;
 use halflight_kernel::transport::photon::progressive::Progressive;
-use halflight_kernel::transport::retargeted::bidirectional::EditedPhotons;
+use halflight_kernel::transport::photon::statistics::PhotonPass;
+use halflight_kernel::transport::retargeted::photons::EditedPhotons;
 use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind, retargeted};
 /// What is made of the paths of an image, each followed by itself.
 #[derive(Clone, Copy)]
@@ -39,6 +41,18 @@ pub(super) struct Followed<'a> {
 pub(super) struct Found {
     pub radiance: Vec<Vec<Rgb>>,
     pub splats: Vec<Vec<Splat>>,
+    /// Of adaptive photon mapping: what is new in the statistics of each pixel.
+    pub statistics: Vec<PhotonPass>,
+}
+
+/// Radii of the pixels of some rows.
+pub(super) enum OwnRadii {
+    /// None of their own.
+    Shared,
+    /// By schedule.
+    Scheduled(Vec<f32>),
+    /// From statistics.
+    Adaptive(Vec<AdaptiveRadii>),
 }
 
 /// The states along a light walk.
@@ -75,7 +89,7 @@ impl<T: Traverse> FollowedSamples<'_, T> {
     /// Takes the samples of whole rows, with radii of their own if there are any.
     pub fn sample_rows<S: LaneSampler>(
         &self,
-        radii: Option<&[f32]>,
+        radii: &OwnRadii,
         samples: &mut [TileSample<S>],
     ) -> Found {
         let (view, settings, followed) = (self.view, self.settings, self.followed);
@@ -84,7 +98,15 @@ impl<T: Traverse> FollowedSamples<'_, T> {
         let mut found = Found {
             radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
             splats: vec![Vec::new(); images],
+            statistics: Vec::new(),
         };
+        if matches!(radii, OwnRadii::Adaptive(_)) {
+            found.statistics = vec![PhotonPass::default(); samples.len()];
+        }
+        let has_photons_alone = matches!(
+            settings.kind,
+            integrator_kind::PROGRESSIVE_PHOTONS | integrator_kind::ADAPTIVE_PHOTONS
+        );
         let mut vertices = Vertices::default();
         let mut states = States::default();
         let expressions = followed.division.map(|division| division.expressions);
@@ -111,23 +133,48 @@ impl<T: Traverse> FollowedSamples<'_, T> {
                     }
                 }
             };
-            if let (integrator_kind::PROGRESSIVE_PHOTONS, Some(photons), Some(expressions)) =
-                (settings.kind, &self.photons, &expressions)
+            if let (true, Some(photons), Some(expressions)) =
+                (has_photons_alone, &self.photons, &expressions)
             {
                 let algorithm = Progressive::new(&view.tables, settings);
                 let mut photons = *photons;
-                if let Some(radii) = radii {
-                    photons.photons.radius = radii[i];
+                let mut adaptive = None;
+                match radii {
+                    OwnRadii::Shared => {}
+                    OwnRadii::Scheduled(radii) => photons.photons.radius = radii[i],
+                    OwnRadii::Adaptive(radii) => {
+                        adaptive = Some((radii[i], &mut found.statistics[i]));
+                    }
                 }
                 sample_among_photons(
                     view,
                     &algorithm,
                     expressions,
                     &photons,
+                    adaptive,
                     &mut sample.camera,
                     &seen,
                     &mut states,
                     add,
+                );
+                continue;
+            }
+            if let (true, Some(photons), Some(edits)) =
+                (has_photons_alone, &self.edited, followed.edits)
+            {
+                let mut photons = *photons;
+                if let OwnRadii::Scheduled(radii) = radii {
+                    photons.photons.radius = radii[i];
+                }
+                let add = |contribution: Contribution| add(contribution, &Shares::NONE);
+                retargeted::photons::sample_among_photons(
+                    view,
+                    &Progressive::new(&view.tables, settings),
+                    edits,
+                    &photons,
+                    &mut sample.camera,
+                    &seen,
+                    &mut Unshadowed::new(view, settings.rules, add),
                 );
                 continue;
             }
@@ -199,6 +246,7 @@ pub(super) fn sample_adaptive<T: Traverse, S: LaneSampler>(
     let mut found = Found {
         radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
         splats: vec![Vec::new(); images],
+        statistics: Vec::new(),
     };
     let mut room = Box::new(AdaptiveWorkspace::new());
     for (i, sample) in samples.iter_mut().enumerate() {

@@ -12,7 +12,7 @@ use super::pass_context::PassContext;
 use super::photon_cache::{PhotonList, SortedPhotons};
 use super::photon_job::Radii;
 use super::photon_pass::{Idle, PhotonTask};
-use super::photon_statistics::{PixelStatistics, keep, statistics_of};
+use super::photon_statistics::{PixelStatistics, update};
 use super::surface_sample::surface_sample;
 use crate::film::Film;
 use halflight_kernel::path::PhotonDensity;
@@ -154,11 +154,9 @@ impl<T: Traverse + Sync, S: LaneSampler + Send> Pass<'_, T, S> {
                 if let (Some(first), Some(sums), Some(numbers)) =
                     (self.first, sums.get(i as usize), entry.bandwidth_numbers())
                 {
-                    let mut statistics = statistics_of(numbers);
-                    statistics.update(sums, photons.emitted as f32);
                     let first = first.of_pixel(x, y);
-                    let next = next_radii(&view.tables, settings, &statistics, first);
-                    keep(numbers, &statistics, next.radius);
+                    let emitted = photons.emitted;
+                    update(&view.tables, settings, numbers, sums, emitted, first);
                 }
                 if needs_surface {
                     let (position, index) = pixel(view, x, y);

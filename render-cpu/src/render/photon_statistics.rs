@@ -5,7 +5,10 @@
 use super::film_tiles::Tile;
 use crate::film::Film;
 use crate::film::aov::{Aov, BANDWIDTH_NUMBERS};
-use halflight_kernel::transport::photon::statistics::PhotonStatistics;
+use halflight_kernel::scene::Tables;
+use halflight_kernel::transport::IntegratorSettings;
+use halflight_kernel::transport::photon::adaptive::next_radii;
+use halflight_kernel::transport::photon::statistics::{PhotonPass, PhotonStatistics};
 
 /// The statistics in a film, read.
 pub(super) struct PixelStatistics<'a> {
@@ -42,7 +45,7 @@ impl<'a> PixelStatistics<'a> {
 }
 
 /// The statistics of a pixel's numbers.
-pub(super) fn statistics_of(numbers: &[f64]) -> PhotonStatistics {
+fn statistics_of(numbers: &[f64]) -> PhotonStatistics {
     let number = |i: usize| numbers[i] as f32;
     PhotonStatistics {
         passes: number(1),
@@ -56,8 +59,24 @@ pub(super) fn statistics_of(numbers: &[f64]) -> PhotonStatistics {
     }
 }
 
+/// Adds what a pass of `emitted` light walks has found to the statistics among a pixel's numbers, and keeps the bandwidth of the next
+/// pass; `first` is the pixel's radius of the first.
+pub(super) fn update(
+    tables: &Tables<'_>,
+    settings: &IntegratorSettings,
+    numbers: &mut [f64],
+    sums: &PhotonPass,
+    emitted: u32,
+    first: f32,
+) {
+    let mut statistics = statistics_of(numbers);
+    statistics.update(sums, emitted as f32);
+    let next = next_radii(tables, settings, &statistics, first);
+    keep(numbers, &statistics, next.radius);
+}
+
 /// Keeps statistics, and the bandwidth that follows from them.
-pub(super) fn keep(numbers: &mut [f64], statistics: &PhotonStatistics, bandwidth: f32) {
+fn keep(numbers: &mut [f64], statistics: &PhotonStatistics, bandwidth: f32) {
     let s = statistics;
     let kept = [
         bandwidth,

@@ -18,7 +18,7 @@ use halflight_kernel::sampler::{LaneSampler, Sampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::scene::traverse::Traverse;
 use halflight_kernel::simd::SimdLevel;
-use halflight_kernel::transport::divided::DividedPath;
+use halflight_kernel::transport::divided::{DividedPath, Mixture};
 use halflight_kernel::transport::wavefront::{WaveDivision, Wavefront};
 use halflight_kernel::transport::{self, IntegratorSettings, integrator_kind, retargeted};
 
@@ -68,6 +68,7 @@ pub struct Workspace<S> {
     samplers: Vec<S>,
     /// What accompanies the paths of an image that is divided, and their parts.
     beside: Vec<DividedPath>,
+    mixtures: Vec<Mixture>,
     parts: Vec<Vec3>,
 }
 
@@ -81,6 +82,7 @@ impl<S: LaneSampler> Workspace<S> {
             runs: Vec::with_capacity(SLOTS),
             samplers: Vec::with_capacity(SLOTS),
             beside: Vec::new(),
+            mixtures: Vec::new(),
             parts: Vec::new(),
         }
     }
@@ -221,6 +223,7 @@ impl<T: Traverse> TileJob<'_, T> {
             runs,
             samplers,
             beside,
+            mixtures,
             parts,
             regularized,
         } = workspace;
@@ -234,10 +237,12 @@ impl<T: Traverse> TileJob<'_, T> {
             (None, None) => wave.run(self.simd, self.view, self.settings),
             (None, Some(division)) => {
                 beside.resize(SLOTS, DividedPath::NONE);
+                mixtures.resize(SLOTS, Mixture::NONE);
                 parts.resize(SLOTS * division.expressions.count as usize, Vec3::ZERO);
                 let mut division = WaveDivision {
                     expressions: division.expressions,
                     paths: beside,
+                    mixtures,
                     parts,
                 };
                 wave.run_divided(self.simd, self.view, self.settings, Some(&mut division))
@@ -260,9 +265,11 @@ impl<T: Traverse> TileJob<'_, T> {
             }
             if let Some(division) = &self.division {
                 let count = division.expressions.count as usize;
-                let own = &parts[done * count..(done + of_run.len()) * count];
-                for (sample, parts) in of_run.iter().zip(own.chunks_exact(count)) {
-                    pixel.add_parts(*sample, &parts[division.first..]);
+                let own = done..done + of_run.len();
+                let parts = parts[own.start * count..own.end * count].chunks_exact(count);
+                for ((sample, beside), parts) in of_run.iter().zip(&beside[own]).zip(parts) {
+                    let bits = beside.touched() >> division.first;
+                    pixel.add_some_parts(*sample, &parts[division.first..], bits);
                 }
                 done += of_run.len();
             }

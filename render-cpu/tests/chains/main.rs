@@ -5,6 +5,7 @@
 mod agreement;
 mod beside;
 mod brightness;
+mod edited;
 mod half_vectors;
 mod hostile_scenes;
 mod measures;

@@ -36,6 +36,7 @@ fn with_paths(scene: &Scene, mut test: impl FnMut(&ChainPath, &PathChain)) {
             view,
             rules: scene.settings.rules,
             beside: None,
+            edits: None,
         };
         let mut bsdf = Bsdf::BLACK;
         let mut chain = PathChain::EMPTY;

@@ -154,6 +154,7 @@ fn perturbations_lead_back() {
                 view,
                 rules: scene.settings.rules,
                 beside: None,
+                edits: None,
             };
             let mut bsdf = Bsdf::BLACK;
             for i in 0..4000 {

@@ -41,6 +41,7 @@ fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segmen
             view,
             rules: scene.settings.rules,
             beside: None,
+            edits: None,
         };
         let mut bsdf = Bsdf::BLACK;
         let mut chain = PathChain::EMPTY;

@@ -86,6 +86,7 @@ fn classes_that_partition_all_paths_add_up_to_the_image() {
         integrator_kind::BIDIRECTIONAL,
         integrator_kind::LIGHT_TRACING,
         integrator_kind::PROGRESSIVE_PHOTONS,
+        integrator_kind::ADAPTIVE_PHOTONS,
         integrator_kind::VERTEX_MERGING,
         integrator_kind::VEACH_MLT,
         integrator_kind::PRIMARY_SAMPLE_MLT,
@@ -123,6 +124,7 @@ fn the_image_is_the_one_without_parts() {
     for kind in [
         integrator_kind::BIDIRECTIONAL,
         integrator_kind::PROGRESSIVE_PHOTONS,
+        integrator_kind::ADAPTIVE_PHOTONS,
         integrator_kind::VERTEX_MERGING,
         integrator_kind::VEACH_MLT,
     ] {
@@ -222,6 +224,42 @@ fn nothing_counts_but_the_paths_of_one_expression() {
             }
         }
     }
+}
+
+#[test]
+fn parts_have_variances_where_the_image_has() {
+    // A part that is all there is has those of the image, and those of independent images are as they say.
+    let layers = [CLASSES.as_slice(), &[("all", "L .* E")]].concat();
+    let scene = divided(integrator_kind::PATH, &layers, None);
+    let with_variance = AovSet::NONE.with(Aov::Variance);
+    let runs: Vec<Film> = (0..32)
+        .map(|seed| render_film(&scene, &options(16, 100 + seed), with_variance).unwrap())
+        .collect();
+    let all = layers.len() - 1;
+    for (i, own) in runs[0].statistics().iter().enumerate() {
+        for c in 0..3 {
+            let (part, whole) = (runs[0].part_variance(all, c, i), own.variance_of_mean()[c]);
+            let error = (part.unwrap() - whole).abs();
+            assert!(error <= 1e-5 * whole + 1e-12, "{i}: {part:?} {whole}");
+        }
+    }
+    let n = runs.len() as f64;
+    for part in 0..CLASSES.len() {
+        let (mut said, mut found) = (0.0, 0.0);
+        for i in 0..runs[0].statistics().len() {
+            let mean = runs.iter().map(|f| f.part_mean(part, 1, i)).sum::<f64>() / n;
+            let squares = runs
+                .iter()
+                .map(|f| (f.part_mean(part, 1, i) - mean).powi(2));
+            found += squares.sum::<f64>() / (n - 1.0);
+            let variances = runs.iter().map(|f| f.part_variance(part, 1, i).unwrap());
+            said += variances.sum::<f64>() / n;
+        }
+        // Of thousands of samples, in a few of which most of a variance may lie.
+        assert!((said / found - 1.0).abs() < 0.35, "{part}: {said} {found}");
+    }
+    let film = film(&scene, 1, 1);
+    assert!(film.part_variance(0, 0, 0).is_none());
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What the page computes itself, against the command: expressions, clusters, bundles, voxels.
 
+use crate::browser::Browser;
 use crate::matcher::{Vertex, matched, path, tree};
 use crate::scenes::{NAMED, scene};
 use crate::{BALL, browser, write_page};
@@ -267,6 +268,80 @@ fn clusters_bundles_and_voxels_are_those_of_the_command() {
     assert!(
         expected > 0.0 && (sum / expected - 1.0).abs() < 1e-3,
         "{sum} {expected}"
+    );
+    assert!(browser.errors.is_empty(), "{:?}", browser.errors);
+}
+
+#[test]
+fn a_measured_volume_is_that_of_the_tool() {
+    let Some(mut browser) = browser() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let own = [
+        "--spp",
+        "1",
+        "--box",
+        "-1,-1,0,1,0.5,1.4",
+        "--voxels",
+        "16",
+        "--walks",
+        "20000",
+        "--seed",
+        "5",
+    ];
+    write_page(
+        folder.path(),
+        BALL,
+        &[&own[..], &["--record-count", "100"]].concat(),
+    );
+    let mut command = Command::new(env!("CARGO_BIN_EXE_halflight"));
+    command.args([
+        "inspect",
+        "scene.xml",
+        "--tool",
+        "volume",
+        "-o",
+        "v.png",
+        "--json",
+    ]);
+    let output = command
+        .args(own)
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let tool: Value = serde_json::from_slice(&output.stdout).unwrap();
+    browser.open(&folder.path().join("page.html"), "#tool=volume&medium=1");
+    let in_page = |of: &str, browser: &mut Browser| {
+        let volume = "halflight.volume()";
+        browser.value(&format!("(v => {of})({volume})"))
+    };
+    assert_eq!(in_page("v.size", &mut browser), tool["voxels"]);
+    for (of, key) in [
+        (
+            "v.values.reduce((a, b) => a + b, 0) / v.values.length",
+            "mean",
+        ),
+        ("v.values.reduce((a, b) => Math.max(a, b), 0)", "most"),
+    ] {
+        let (page, tool) = (
+            in_page(of, &mut browser).as_f64().unwrap(),
+            tool[key].as_f64().unwrap(),
+        );
+        assert!(
+            tool > 0.0 && (page - tool).abs() < 1e-5 * tool,
+            "{key}: {page} {tool}"
+        );
+    }
+    let measured = browser.picture("#space");
+    let volume = "halflight.set({medium: false})";
+    browser.value(volume);
+    browser.settle();
+    let recorded = browser.picture("#space");
+    assert!(
+        measured != recorded,
+        "the source of the volume changes what is seen"
     );
     assert!(browser.errors.is_empty(), "{:?}", browser.errors);
 }

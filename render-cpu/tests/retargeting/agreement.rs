@@ -84,9 +84,11 @@ const BOTH: [Other; 2] = [
     (integrator_kind::LIGHT_TRACING, 0, 48, 1e-3),
 ];
 
-const MORE: [Other; 4] = [
+const MORE: [Other; 6] = [
     // Photons are gathered from around a point.
     (integrator_kind::VERTEX_MERGING, 0, 6, 0.015),
+    (integrator_kind::PROGRESSIVE_PHOTONS, 0, 8, 0.02),
+    (integrator_kind::VEACH_MLT, 0, 1, 1e-3),
     (
         integrator_kind::PRIMARY_SAMPLE_MLT,
         technique::PATH,

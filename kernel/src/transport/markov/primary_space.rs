@@ -27,7 +27,7 @@ use crate::transport::bidirectional::{
     sample_observed,
 };
 use crate::transport::bounce::{Rays, shade};
-use crate::transport::divided::DividedPath;
+use crate::transport::divided::{DividedPath, Mixture};
 use crate::transport::path::{Path, SinglePath};
 use crate::transport::retargeted;
 use crate::transport::settings::IntegratorSettings;
@@ -322,6 +322,7 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
         let (rules, path) = (self.settings.rules, Path::new(ray));
         let mut driver = SinglePath::new(self.view, rules, sampler, &mut bsdf, path);
         let mut divided = DividedPath::NONE;
+        let mut mixture = Mixture::NONE;
         divided.begin(expressions);
         let mut parts = [Rgb::ZERO; MAX_PARTS];
         let parts = &mut parts[..expressions.count as usize];
@@ -337,12 +338,19 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
                 parts.fill(Rgb::ZERO);
                 if s == 0 {
                     let direction = subpath.ray.direction;
-                    divided.shaded(expressions, &mut driver, direction, subpath.depth, parts);
+                    divided.shaded(
+                        expressions,
+                        &mut mixture,
+                        &mut driver,
+                        direction,
+                        subpath.depth,
+                        parts,
+                    );
                 } else {
                     driver.trace_shadow_rays();
                     let found = core::mem::take(&mut driver.path.radiance);
                     if found.max_element() > 0.0 {
-                        divided.add_direct(expressions, found, parts);
+                        divided.add_direct(expressions, &mixture, found, parts);
                     }
                 }
                 let found = Contribution {

@@ -11,7 +11,7 @@
 //! 0.032 without the noise, 0.022 to 0.024 with the normal fit; 0.030 for radii by schedule from five pixels on).
 //! A pass depends on all passes before it, so passes cannot be shared among runs.
 
-use super::cache::PhotonCache;
+use super::cache::{Photon, PhotonCache};
 use super::estimate::{for_photons_within, scattered};
 use super::nearest::USUAL_NEAREST;
 use super::progressive::light_walks;
@@ -87,10 +87,35 @@ pub fn gather(
     only_unfound: bool,
     sums: &mut PhotonPass,
 ) -> Rgb {
+    let mut sum = Vec3::ZERO;
+    for_gathered(
+        connector,
+        walk,
+        at,
+        cache,
+        radii,
+        only_unfound,
+        sums,
+        |_, value| sum += value,
+    );
+    sum
+}
+
+/// Passes on the photons that [`gather`] sums, each with its light.
+#[inline]
+pub fn for_gathered(
+    connector: &Connector<'_>,
+    walk: &Walk,
+    at: &Interaction<'_>,
+    cache: &PhotonCache<'_>,
+    radii: AdaptiveRadii,
+    only_unfound: bool,
+    sums: &mut PhotonPass,
+    mut add: impl FnMut(&Photon, Rgb),
+) {
     let reach = radii.radius.max(2.0 * radii.derivative);
     let frame = at.point.frame;
     let center = at.point.position;
-    let mut sum = Vec3::ZERO;
     for_photons_within(cache, center, reach, |index, distance2| {
         let photon = &cache.photons[index as usize];
         let edges = photon
@@ -115,7 +140,9 @@ pub fn gather(
             Vec2::new(distance, 0.0)
         };
         let psi = luminance(walk.subpath.throughput * value);
-        sum += value * sums.add(offset, psi, radii.radius, radii.derivative);
+        let kernel = sums.add(offset, psi, radii.radius, radii.derivative);
+        if kernel > 0.0 {
+            add(photon, value * kernel);
+        }
     });
-    sum
 }

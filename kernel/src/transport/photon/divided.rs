@@ -3,8 +3,12 @@
 //! A light walk leaves its states beside each photon; a camera walk that finds the photon reads the vertex where both meet, and
 //! joins them. The walks are those of [`super::progressive`].
 
+use super::adaptive::{AdaptiveRadii, for_gathered};
+use super::cache::Photon;
 use super::progressive::Progressive;
+use super::statistics::PhotonPass;
 use super::tracing::{PhotonStore, PhotonTracer};
+use crate::math::Rgb;
 use crate::path::rules::step;
 use crate::path::{
     Contribution, PathExpressions, PathStates, Scattered, ShadingPoint, Shares, Walk,
@@ -53,12 +57,13 @@ pub fn divided_light_bounce<S: Sampler, P: DividedStore>(
 }
 
 /// One camera walk of progressive photon mapping among the photons of a pass; `add` takes what it finds with the shares of the
-/// expressions in it.
+/// expressions in it. With `adaptive`, radii of its own, it is a walk of [`super::adaptive`] and adds to the statistics there.
 pub fn sample_among_photons<T: Traverse, S: Sampler, K: StateStore>(
     view: &SceneView<'_, T>,
     algorithm: &Progressive<'_>,
     expressions: &PathExpressions<'_>,
     photons: &DividedPhotons<'_>,
+    mut adaptive: Option<(AdaptiveRadii, &mut PhotonPass)>,
     sampler: &mut S,
     seen: &CameraSample,
     states: &mut K,
@@ -87,9 +92,15 @@ pub fn sample_among_photons<T: Traverse, S: Sampler, K: StateStore>(
             of_pass.emitted,
             |walk, at, only_unfound| {
                 let (cache, radius) = (&of_pass.cache, of_pass.radius);
-                algorithm.for_gathered(walk, at, cache, radius, only_unfound, |photon, light| {
+                let add = |photon: &Photon, light: Rgb| {
                     divided.borrow_mut().gather(walk, at, photon, light);
-                });
+                };
+                match &mut adaptive {
+                    Some((radii, sums)) => {
+                        for_gathered(connector, walk, at, cache, *radii, only_unfound, sums, add);
+                    }
+                    None => algorithm.for_gathered(walk, at, cache, radius, only_unfound, add),
+                }
                 Vec3::ZERO
             },
             SharedObserver(&divided),

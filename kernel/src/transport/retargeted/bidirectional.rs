@@ -6,6 +6,7 @@
 //! what the sensor sees of a vertex is not turned.
 
 use super::bounce::{arrive, scatter, towards};
+use super::photons::EditedPhotons;
 use crate::path::retarget_states::{EditStates, Edits};
 use crate::path::retargeted::{IncomingDirection, Retargeted};
 use crate::path::rules::step;
@@ -15,7 +16,6 @@ use crate::scene::camera::CameraSample;
 use crate::scene::emitter::emission::EmissionSample;
 use crate::scene::{NONE, SceneView, Traverse};
 use crate::transport::bidirectional::{Bidirectional, PathObserver, VertexStore};
-use crate::transport::photon::merging::PassPhotons;
 use arrayvec::ArrayVec;
 
 /// Vertices of a light walk that are connected; it ends where there is no more space.
@@ -29,15 +29,6 @@ pub(super) struct LightVertices {
     pub states: ArrayVec<EditStates, MAX_VERTICES>,
     /// How the walk has come to each.
     pub incoming: ArrayVec<IncomingDirection, MAX_VERTICES>,
-}
-
-/// The photons of a pass, and the states of their walks before they arrived.
-#[derive(Clone, Copy)]
-pub struct EditedPhotons<'a> {
-    /// The photons.
-    pub photons: PassPhotons<'a>,
-    /// By [`crate::transport::photon::cache::Photon::beside`].
-    pub states: &'a [EditStates],
 }
 
 /// The sample of both walks of [`crate::transport::bidirectional::sample_observed`] with edits, and photons to merge if there are

@@ -3,15 +3,13 @@
 
 use super::bidirectional::Edited;
 use super::bounce::{labels_of, towards};
-use crate::bsdf::mode;
-use crate::math::{float, vec3};
+use super::photons::{for_gathered, light_up};
+use crate::math::vec3;
 use crate::path::retargeted::Retargeted;
-use crate::path::{Contribution, Interaction, LightEnd, ShadingPoint, Walk};
-use crate::regularize::mollifier;
+use crate::path::{Interaction, LightEnd, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::{NONE, Traverse};
 use crate::transport::bidirectional::{PathObserver, VertexStore};
-use crate::transport::photon::estimate::{KERNEL, for_photons_within, incidence};
 use crate::transport::photon::merging::merging_weight;
 
 impl<T: Traverse> Edited<'_, '_, T> {
@@ -30,18 +28,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         if !light.is_some() {
             return;
         }
-        for label in labels_of(own, at.point, light.direction) {
-            let own = Retargeted { label, ..*own };
-            let at = at.retargeted(&own);
-            let mut lit = connector.next_event_with(walk, &at, &light, &point);
-            if lit.is_some() {
-                let after = towards(connector, &at, &own, light.direction);
-                lit.value *= after.reach_emitter(self.edits, light.emitter);
-            }
-            if lit.is_some() {
-                observer.add_at(lit, &at);
-            }
-        }
+        light_up(connector, walk, at, own, (&light, &point), observer);
     }
 
     /// Connections to the vertices of the light walk, by each pair of labels.
@@ -115,51 +102,23 @@ impl<T: Traverse> Edited<'_, '_, T> {
             return;
         };
         let connector = &self.algorithm.connector;
-        let cache = &photons.photons.cache;
-        let radius = photons.photons.radius;
-        let emitted = photons.photons.emitted.max(1) as f32;
-        for_photons_within(cache, at.point.position, radius, |index, distance2| {
-            let photon = &cache.photons[index as usize];
-            let edges = photon.depth.saturating_add(walk.subpath.depth);
-            let cosine = incidence(at, photon);
-            if !connector.allows_edges(edges.saturating_add(1)) || !(cosine > 0.0) {
-                return;
-            }
-            let direction = -vec3(photon.direction);
-            for label in labels_of(own, at.point, direction) {
-                let own = Retargeted { label, ..*own };
-                let at = at.retargeted(&own);
-                let seen = at.evaluate(
-                    connector.tables,
-                    &connector.rules,
-                    mode::RADIANCE,
-                    direction,
-                );
-                if !seen.is_some() {
-                    continue;
-                }
-                let behind = towards(connector, &at, &own, direction);
-                let share = photons.states[photon.beside as usize].join(&behind);
-                if !(share.max_element() > 0.0) {
-                    continue;
-                }
-                let weight = merging_weight(
+        for_gathered(
+            connector,
+            photons,
+            walk,
+            at,
+            own,
+            |photon, seen| {
+                merging_weight(
                     connector,
                     photon.weights(),
                     walk,
                     seen.pdf,
                     seen.pdf_reverse,
                     at.point.position,
-                );
-                let k = mollifier::eval_scaled(KERNEL, 2, float::sqrt(distance2), radius);
-                let light = vec3(photon.throughput) * seen.value * (k * weight / cosine);
-                let met = Contribution {
-                    value: walk.subpath.throughput * light * share / emitted,
-                    t: walk.subpath.depth + 2,
-                    ..Contribution::NONE
-                };
-                observer.emitter_hit(met, NONE);
-            }
-        });
+                )
+            },
+            |met| observer.emitter_hit(met, NONE),
+        );
     }
 }

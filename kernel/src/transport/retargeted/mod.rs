@@ -3,6 +3,7 @@
 //! - [`path`]: path tracing;
 //! - [`bidirectional`]: the walks of bidirectional path tracing, light tracing and vertex merging;
 //! - `connections`: what completes their paths;
+//! - [`photons`]: photons that are merged, and the camera walks of progressive photon mapping;
 //! - [`bounce`]: what a bounce of such walks does, those of photons too.
 //!
 //! Bounces are those of the algorithms without edits, with guesses where a walk goes against the flow that is turned, and with one
@@ -15,3 +16,4 @@ pub mod bidirectional;
 pub mod bounce;
 mod connections;
 pub mod path;
+pub mod photons;

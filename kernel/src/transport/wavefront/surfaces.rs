@@ -4,6 +4,7 @@ use super::paths::QueuedPaths;
 use super::segment::Segment;
 use crate::math::affine::{transform_point, transform_vector};
 use crate::math::{Frame, field};
+use crate::path::PathExpressions;
 use crate::scene::surface::detail;
 use crate::scene::surface::quadric::sphere_point_with;
 use crate::scene::surface::triangle::triangle_point_with;
@@ -54,6 +55,17 @@ impl<const N: usize> PointLanes<N> {
             emitter: self.emitter[k],
             ..SurfacePoint::ZERO
         }
+    }
+
+    /// Where the letters of point `k < N` begin; all points are of the world.
+    #[inline(always)]
+    pub fn place(&self, expressions: &PathExpressions<'_>, k: usize) -> u32 {
+        let position = if expressions.regions.is_empty() {
+            Vec3::ZERO
+        } else {
+            self.position.get(k)
+        };
+        expressions.first_letter_of(self.shape[k], SurfacePoint::ZERO.instance, position)
     }
 
     #[inline(always)]

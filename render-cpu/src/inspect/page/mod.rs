@@ -12,6 +12,7 @@
 //! | `path-pixels`, `path-light`, `path-weights`, `path-counts` | of each path: pixel, 2 u32; light, 3 f32; weight, f32; number of vertices, u8 |
 //! | `vertex-kinds`, `vertex-objects`, `vertex-positions`, `vertex-throughputs` | of each vertex: u8, u32, 3 f32, 3 f32 |
 //! | `plot-0`, ... | luminance of each cell of a spherical plot, f32 |
+//! | `volume` | luminance of the fluence rate of each voxel, x fastest, f32 |
 
 mod albedo;
 mod mesh;
@@ -20,6 +21,7 @@ pub mod thin;
 
 use super::record_file::PathRecord;
 use super::spherical_plot::{Probe, SphericalPlot};
+use super::volume::LightVolume;
 use crate::expression::names;
 use crate::film::luminance;
 use crate::scene::build::Scene;
@@ -52,6 +54,8 @@ pub struct Page<'a> {
     pub record: &'a PathRecord,
     /// Spherical plots.
     pub plots: &'a [(Probe, SphericalPlot)],
+    /// A box of medium, with the number of its light walks.
+    pub volume: Option<(&'a LightVolume, u32)>,
     /// Meshes of more triangles are thinned out.
     pub most_triangles: usize,
 }
@@ -91,6 +95,10 @@ impl Page<'_> {
         for (i, (_, plot)) in self.plots.iter().enumerate() {
             let values: Vec<f32> = plot.radiance.iter().map(|p| luminance(*p) as f32).collect();
             write_table(stream, &format!("plot-{i}"), bytemuck::cast_slice(&values))?;
+        }
+        if let Some((volume, _)) = self.volume {
+            let values = volume.luminance();
+            write_table(stream, "volume", bytemuck::cast_slice(&values))?;
         }
         stream.write_all(after.as_bytes())
     }
@@ -164,6 +172,17 @@ impl Page<'_> {
                 })
             })
             .collect();
+        let volume = self.volume.map(|(volume, walks)| {
+            let (grid, values) = (&volume.grid, volume.luminance());
+            let sum: f64 = values.iter().map(|v| f64::from(*v)).sum();
+            json!({
+                "low": grid.low.to_array(),
+                "high": grid.high.to_array(),
+                "voxels": grid.counts,
+                "walks": walks,
+                "mean": sum / values.len() as f64,
+            })
+        });
         json!({
             "title": self.title,
             "center": tables.info.center,
@@ -195,6 +214,7 @@ impl Page<'_> {
                 "expression": header.expression,
             },
             "plots": plots,
+            "volume": volume,
         })
     }
 }

@@ -156,6 +156,7 @@ pub(super) fn render_groups<T: Traverse + Sync>(
             first_stage(&chains.annealed(of_first), size, offset)
         } else {
             let chains = VeachChains::new(view, settings, min_edges, options.seed, PILOT);
+            let chains = chains.edited(followed.edits);
             let chains = chains.with_path_tracing(beside.map(|beside| beside.remainder));
             first_stage(&chains.annealed(of_first), size, offset)
         }
@@ -185,6 +186,7 @@ pub(super) fn render_groups<T: Traverse + Sync>(
                 let chains = VeachChains::new(view, settings, min_edges, options.seed, group);
                 let division = followed.division;
                 let chains = chains.divided(division.map(|division| division.expressions));
+                let chains = chains.edited(followed.edits);
                 let chains = chains.with_path_tracing(beside.map(|beside| beside.remainder));
                 let chains = chains.annealed(annealing(view, settings, group));
                 let chains = chains.with_importance(importance);

@@ -82,7 +82,11 @@ impl Scene {
         if !request.is_empty() && self.settings.regularization.is_some() {
             return Err(PartsError::Regularized);
         }
-        let is_merged = self.settings.kind == integrator_kind::VERTEX_MERGING;
+        let is_merged = [
+            integrator_kind::VERTEX_MERGING,
+            integrator_kind::PROGRESSIVE_PHOTONS,
+        ]
+        .contains(&self.settings.kind);
         if !request.is_empty() && is_merged && !self.edits.is_empty() {
             return Err(PartsError::EditedPhotons);
         }
@@ -145,7 +149,7 @@ fn check_edits(
     }
     if !turns_paths(settings) {
         return Err(root.error(format!(
-            "edits of light transport are not for {}: use path, ptracer, bdpt, vcm, vm, pssmlt or mmlt",
+            "edits of light transport are not for {}: use path, ptracer, bdpt, sppm, vcm, vm or one of the Metropolis family",
             integrator.name
         )));
     }

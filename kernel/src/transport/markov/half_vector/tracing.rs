@@ -14,6 +14,7 @@ use crate::manifold::half_vector::{
 };
 use crate::manifold::vertex::vertex_kind;
 use crate::math::{Ray, float};
+use crate::path::retarget::flow;
 use crate::path::tracer::Tracer;
 use crate::path::whole_vertex::Vertex;
 use crate::sampler::Sampler;
@@ -108,7 +109,7 @@ pub fn trace_from_sensor<T: Traverse, S: Sampler>(
             half_vector(j, sampler)
                 .and_then(|h| scatter_at(&vertex, &chain.vertices[j], back, true, h, form))
         } else {
-            repeat_event(tracer, &vertex, back, bsdf)
+            repeat_event(tracer, &vertex, flow::IMPORTANCE, back, bsdf)
         };
         match next {
             Some(next) => ray = next,
@@ -149,7 +150,7 @@ pub fn trace_from_light<T: Traverse, S: Sampler>(
                     .half_vector(j, form)
                     .and_then(|h| scatter_at(&vertex, &chain.vertices[j], back, false, h, form))
             } else {
-                repeat_event(tracer, &vertex, back, bsdf)
+                repeat_event(tracer, &vertex, flow::LIGHT, back, bsdf)
             };
             match next {
                 Some(next) => ray = next,

@@ -16,14 +16,16 @@
 //! ```
 //!
 //! With a target that is mollified, a connection may blur one of its ends: which, is chosen among those that its materials allow,
-//! with the same probability each, so p_s is divided by their number.
+//! with the same probability each, so p_s is divided by their number. With edits the same goes for the labels that the ends of the
+//! connection can have, and walks draw the others ([`crate::path::whole_edited`]); what was kept keeps its labels too.
 
 use super::ChainPath;
 use super::candidate::{
-    ConnectionEnds, append_from_light, begin_direct, begin_emission, join, may_be_seen,
-    window_position,
+    append_from_light, begin_direct, begin_emission, join, may_be_seen, window_position,
 };
+use super::ends::{ConnectionEnds, end_labels, set_end_labels};
 use crate::bsdf::Bsdf;
+use crate::path::retarget::flow;
 use crate::path::tracer::Tracer;
 use crate::path::whole_vertex::{BLURRED, SMOOTH, Vertex};
 use crate::sampler::Sampler;
@@ -121,7 +123,8 @@ impl Change {
                 if s == 0 || !(pdf > 0.0) {
                     return pdf;
                 }
-                pdf / ConnectionEnds::of(tables, y, s).count() as f32
+                let labels = end_labels(tracer, y, s).len() as f32;
+                pdf / (ConnectionEnds::of(tables, y, s).count() as f32 * labels)
             })
             .sum();
         self.probability(k, limits) * sum / y.luminance()
@@ -159,6 +162,26 @@ pub fn propose<T: Traverse, S: Sampler>(
             end.complete(tables);
         }
     }
+    // What the walk from there on has read.
+    let mut labels = match tracer.edits {
+        Some(edits) if m < k && (m == 0 || from_sensor > 0) => {
+            let walk = x.walk_to(tables, edits, flow::IMPORTANCE, m, bsdf);
+            if walk.is_none() {
+                return false;
+            }
+            walk
+        }
+        _ => tracer.from_sensor(),
+    };
+    if m == 0 {
+        let back = x.next_direction(0);
+        let Some(end) = sensor.last_mut() else {
+            return false;
+        };
+        if !tracer.guess(labels.as_ref(), end, back, bsdf, sampler) {
+            return false;
+        }
+    }
     let mut ray;
     if m == k {
         y.u_lens = sampler.next_2d();
@@ -172,7 +195,7 @@ pub fn propose<T: Traverse, S: Sampler>(
         let Some(end) = sensor.last_mut() else {
             return false;
         };
-        match tracer.scatter(end, back, bsdf, sampler) {
+        match tracer.scatter(&mut labels, end, back, bsdf, sampler) {
             Some(next) => ray = next,
             None => return false,
         }
@@ -195,8 +218,12 @@ pub fn propose<T: Traverse, S: Sampler>(
             _ => return false,
         };
         vertex.edge = arrival.edge;
+        let back = -ray.direction;
+        if !is_light && !tracer.guess(labels.as_ref(), &mut vertex, back, bsdf, sampler) {
+            return false;
+        }
         if i + 1 < from_sensor {
-            match tracer.scatter(&mut vertex, -ray.direction, bsdf, sampler) {
+            match tracer.scatter(&mut labels, &mut vertex, back, bsdf, sampler) {
                 Some(next) => ray = next,
                 None => return false,
             }
@@ -223,6 +250,7 @@ pub fn propose<T: Traverse, S: Sampler>(
     } else {
         lit = change.light + from_light;
         let mut walked = from_light;
+        let mut labels = None;
         if change.light == 0 {
             // The point before the connection, unless that is the lens.
             let is_direct = from_light == 1 && sensor.len() > 1;
@@ -241,17 +269,24 @@ pub fn propose<T: Traverse, S: Sampler>(
                     return false;
                 }
                 begin_emission(tracer, y, &start);
+                labels = tracer.from_emitter(start.emitter);
                 ray = start.ray;
             }
             walked -= 1;
         } else if from_light > 0 {
             // On from the last vertex that is kept.
             let last = change.light - 1;
+            if let Some(edits) = tracer.edits {
+                labels = x.walk_to(tables, edits, flow::LIGHT, last, bsdf);
+                if labels.is_none() {
+                    return false;
+                }
+            }
             if last == 0 {
                 ray = emit_from(tracer, y, sampler);
             } else {
                 let back = x.previous_direction(last);
-                match tracer.scatter(&mut y.vertices[last], back, bsdf, sampler) {
+                match tracer.scatter(&mut labels, &mut y.vertices[last], back, bsdf, sampler) {
                     Some(next) => ray = next,
                     None => return false,
                 }
@@ -267,8 +302,12 @@ pub fn propose<T: Traverse, S: Sampler>(
             };
             let mut vertex = Vertex::new(tables, &point);
             vertex.edge = arrival.edge;
+            let back = -ray.direction;
+            if !tracer.guess(labels.as_ref(), &mut vertex, back, bsdf, sampler) {
+                return false;
+            }
             if i + 1 < walked {
-                match tracer.scatter(&mut vertex, -ray.direction, bsdf, sampler) {
+                match tracer.scatter(&mut labels, &mut vertex, back, bsdf, sampler) {
                     Some(next) => ray = next,
                     None => return false,
                 }
@@ -279,8 +318,16 @@ pub fn propose<T: Traverse, S: Sampler>(
     y.vertices.extend(sensor.iter().rev().copied());
     if is_emission_met {
         y.vertices[0].event = SMOOTH;
+        y.vertices[0].labels = [0; 2];
     } else if y.edges() == 1 && !may_be_seen(tables, y.emitter) || !join(tracer, y, lit - 1) {
         return false;
+    } else if tracer.edits.is_some() {
+        let pairs = end_labels(tracer, y, lit);
+        let index = match pairs.len() {
+            1 => 0,
+            count => ((sampler.next_1d() * count as f32) as usize).min(count - 1),
+        };
+        set_end_labels(y, lit, pairs[index]);
     } else if y.blurring.radius > 0.0 {
         let ends = ConnectionEnds::of(tables, y, lit);
         let index = match ends.count() {

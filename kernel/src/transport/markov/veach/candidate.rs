@@ -4,14 +4,16 @@
 //! of surviving Russian roulette in its two walks.
 //!
 //! With a target that is mollified, a connection makes a path with each of the ends blurred as well, if its materials allow that
-//! ([`ConnectionEnds`]).
+//! ([`super::ends`]); with edits one for each pair of labels that its ends can have.
 
+use super::ends::for_ends;
 use super::{ChainPath, MAX_VERTICES};
-use crate::bsdf::{Bsdf, mode};
+use crate::bsdf::Bsdf;
 use crate::math::{Ray, luminance};
 use crate::path::tracer::Tracer;
 use crate::path::whole::Blurring;
-use crate::path::whole_vertex::{BLURRED, Edge, SMOOTH, Vertex};
+use crate::path::whole_edited::EditedWalk;
+use crate::path::whole_vertex::{Edge, SMOOTH, Vertex};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission::{self, EmissionSample};
 use crate::scene::emitter::sample_direct_with_point;
@@ -40,11 +42,12 @@ fn survival(vertices: usize) -> f32 {
     (0..trials).map(|_| SURVIVAL).product()
 }
 
-/// Follows a walk along a ray until it ends.
+/// Follows a walk along a ray until it ends; `labels` draws those of edits.
 fn walk<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
     ray: &Ray,
     from_sensor: bool,
+    mut labels: Option<EditedWalk<'_>>,
     bsdf: &mut Bsdf,
     sampler: &mut S,
 ) -> Subpath {
@@ -68,7 +71,12 @@ fn walk<T: Traverse, S: Sampler>(
         };
         let mut vertex = Vertex::new(&tracer.view.tables, &point);
         vertex.edge = arrival.edge;
-        let next = tracer.scatter(&mut vertex, -ray.direction, bsdf, sampler);
+        let back = -ray.direction;
+        let next = if tracer.guess(labels.as_ref(), &mut vertex, back, bsdf, sampler) {
+            tracer.scatter(&mut labels, &mut vertex, back, bsdf, sampler)
+        } else {
+            None
+        };
         subpath.vertices.push(vertex);
         match next {
             Some(next) => ray = next,
@@ -91,12 +99,14 @@ pub fn paths<T: Traverse, S: Sampler>(
     let (film, u_lens) = (sensor.next_2d(), sensor.next_2d());
     let film = window_position(tables.camera.crop_offset, tables.camera.crop_size, film);
     let ray = camera::ray_through(&tables.camera, film, u_lens);
-    let from_sensor = walk(tracer, &ray, true, &mut bsdf, sensor);
+    let labels = tracer.from_sensor();
+    let from_sensor = walk(tracer, &ray, true, labels, &mut bsdf, sensor);
     let u_select = light.next_1d();
     let (u_position, u_direction) = (light.next_2d(), light.next_2d());
     let start = emission::sample(tables, u_select, u_position, u_direction);
     let from_light = if start.is_some() {
-        walk(tracer, &start.ray, false, &mut bsdf, light)
+        let labels = tracer.from_emitter(start.emitter);
+        walk(tracer, &start.ray, false, labels, &mut bsdf, light)
     } else {
         Subpath {
             vertices: ArrayVec::new(),
@@ -132,6 +142,7 @@ pub fn paths<T: Traverse, S: Sampler>(
             path.vertices.extend(of_camera.iter().rev().copied());
             path.vertices.push(lens);
             path.vertices[0].event = SMOOTH;
+            path.vertices[0].labels = [0; 2];
             path.emitter = end.point.emitter;
             finish(&mut path, 0, survival(t - 1));
         }
@@ -164,7 +175,7 @@ pub fn paths<T: Traverse, S: Sampler>(
                     path.vertices[1].event = SMOOTH;
                     if join(tracer, &mut path, 0) {
                         let survived = survival(t - 1);
-                        for_ends(tables, &mut path, 1, |path| finish(path, 1, survived));
+                        for_ends(tracer, &mut path, 1, |path| finish(path, 1, survived));
                         continue;
                     }
                 }
@@ -187,88 +198,11 @@ pub fn paths<T: Traverse, S: Sampler>(
             path.vertices[s].event = SMOOTH;
             if join(tracer, &mut path, s - 1) {
                 let survived = survival(s - 1) * survival(t - 1);
-                for_ends(tables, &mut path, s, |path| finish(path, s, survived));
+                for_ends(tracer, &mut path, s, |path| finish(path, s, survived));
             } else {
                 path.vertices.clear();
                 finish(&mut path, 0, 1.0);
             }
-        }
-    }
-}
-
-/// Which ends of the edge to vertex `s` make a path of one that is connected there.
-#[derive(Clone, Copy, Debug)]
-pub struct ConnectionEnds {
-    /// Both scatter.
-    smooth: bool,
-    /// That at the light is blurred.
-    light: bool,
-    /// That at the sensor is blurred.
-    sensor: bool,
-}
-
-impl ConnectionEnds {
-    /// Those of a path, whatever its events there.
-    pub fn of(tables: &Tables<'_>, path: &ChainPath, s: usize) -> ConnectionEnds {
-        if !(path.blurring.radius > 0.0) {
-            return ConnectionEnds {
-                smooth: true,
-                light: false,
-                sensor: false,
-            };
-        }
-        let mut bsdf = Bsdf::BLACK;
-        let mut lobes = |i: usize| {
-            if i == 0 || i == path.edges() {
-                return (true, false);
-            }
-            let point = &path.vertices[i].point;
-            let to_sensor = path.vertices[i + 1].point.position - point.position;
-            let wc = point.frame.to_local(to_sensor.normalize());
-            bsdf.look_up(tables, point, wc, mode::RADIANCE);
-            (bsdf.has_smooth(), bsdf.has_delta())
-        };
-        let (light, sensor) = (lobes(s - 1), lobes(s));
-        ConnectionEnds {
-            smooth: light.0 && sensor.0,
-            light: light.1 && sensor.0,
-            sensor: light.0 && sensor.1,
-        }
-    }
-
-    /// How many paths those are.
-    pub fn count(&self) -> u32 {
-        u32::from(self.smooth) + u32::from(self.light) + u32::from(self.sensor)
-    }
-
-    /// One of those paths by number: the vertex that is blurred if any is, beside its edge to vertex `s`.
-    pub fn choose(&self, s: usize, index: u32) -> Option<usize> {
-        let choices = [
-            (self.smooth, None),
-            (self.light, Some(s - 1)),
-            (self.sensor, Some(s)),
-        ];
-        let mut left = choices.into_iter().filter(|choice| choice.0);
-        left.nth(index as usize).and_then(|choice| choice.1)
-    }
-}
-
-/// Passes on the paths of one that is connected at the edge to vertex `s`.
-fn for_ends(
-    tables: &Tables<'_>,
-    path: &mut ChainPath,
-    s: usize,
-    mut finish: impl FnMut(&mut ChainPath),
-) {
-    let ends = ConnectionEnds::of(tables, path, s);
-    for index in 0..ends.count() {
-        let blurred = ends.choose(s, index);
-        if let Some(i) = blurred {
-            path.vertices[i].event = BLURRED;
-        }
-        finish(path);
-        if let Some(i) = blurred {
-            path.vertices[i].event = SMOOTH;
         }
     }
 }

@@ -51,8 +51,8 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
         if light_chain(&self.tracer, x).is_none() {
             weights[mutation::CAUSTIC] = 0.0;
         }
-        // Half vectors of a vertex that is blurred are no coordinates of it.
-        if x.edges() < 2 || x.is_blurred() {
+        // Half vectors of a vertex that is blurred, or whose directions edits turn, are no coordinates of it.
+        if x.edges() < 2 || x.is_blurred() || x.is_turned() {
             weights[mutation::MANIFOLD] = 0.0;
             weights[mutation::HALF_VECTOR] = 0.0;
         }

@@ -6,6 +6,7 @@ use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::Bsdf;
 use crate::path::PathExpressions;
 use crate::path::remainder::Remainder;
+use crate::path::retarget_states::Edits;
 use crate::path::tracer::Tracer;
 use crate::path::whole::Blurring;
 use crate::sampler::{FreshSamples, mix};
@@ -79,6 +80,7 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
                 view,
                 rules,
                 beside: None,
+                edits: None,
             },
             min_edges,
             limits: [min_edges, (rules.max_depth as usize).min(MAX_VERTICES - 1)],
@@ -103,6 +105,13 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
     #[must_use]
     pub fn with_path_tracing(mut self, remainder: Option<Remainder>) -> Self {
         self.tracer.beside = remainder;
+        self
+    }
+
+    /// With edits of light transport. Neither is the target mollified then nor is path tracing beside it.
+    #[must_use]
+    pub fn edited(mut self, edits: Option<&'a Edits<'a>>) -> Self {
+        self.tracer.edits = edits;
         self
     }
 
@@ -175,7 +184,7 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         };
         let tables = &self.tracer.view.tables;
         let mut bsdf = Bsdf::BLACK;
-        let shares = path.shares(tables, expressions, &mut bsdf);
+        let shares = path.shares(tables, expressions, self.tracer.edits, &mut bsdf);
         if expressions.only == 0 {
             add(whole);
         }

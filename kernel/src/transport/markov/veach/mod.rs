@@ -3,6 +3,7 @@
 //! - [`bidirectional`]: part of the path is deleted and replaced by walks from both of its ends;
 //! - [`perturbation`]: the lens, multi-chain and caustic perturbations move some of the vertices a little;
 //! - [`candidate`]: paths from which chains start;
+//! - [`ends`]: what connections may make of the ends of their edge;
 //! - [`group`], [`chain`]: what a group of chains looks for, and the steps of a chain;
 //! - [`balance`]: what path tracing finds for them.
 //!
@@ -15,6 +16,7 @@ pub mod balance;
 pub mod bidirectional;
 pub mod candidate;
 pub mod chain;
+pub mod ends;
 pub mod group;
 pub mod perturbation;
 

@@ -25,12 +25,13 @@
 //! Angles of the caustic perturbation are those of r1 and r2 seen from the lens, over the way from there and to the vertex, so that
 //! it moves as far over the film; what leads out of the range from y is not proposed from x. The measure of T is that in which
 //! the vertices were moved, so f is taken in it too, with the vertex kept at the other end by its area. Discrete events are taken as
-//! they are and not sampled: they are no part of T.
+//! they are and not sampled: they are no part of T. Labels of edits ([`crate::path::whole_edited`]) stay as they are.
 
 use super::ChainPath;
 use super::candidate::{append_from_light, join};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Frame, Ray, float};
+use crate::path::retarget::flow;
 use crate::path::specular::discrete_direction;
 use crate::path::tracer::Tracer;
 use crate::path::whole_vertex::Vertex;
@@ -139,19 +140,34 @@ fn film_steps(size: [u32; 2]) -> [f32; 2] {
     [SMALLEST_STEP, if high > 0.2 { high } else { 0.2 }]
 }
 
-/// The ray with which a walk leaves a vertex by a discrete event, if there is one of its kind.
+/// The ray with which a walk along a flow of [`flow`] leaves a vertex by a discrete event, if there is one of its kind, with the turns
+/// of the edits by which the vertex is labelled.
 pub fn repeat_event<T: Traverse>(
     tracer: &Tracer<'_, T>,
     vertex: &Vertex,
+    flow: u32,
     back: Vec3,
     bsdf: &mut Bsdf,
 ) -> Option<Ray> {
     let tables = &tracer.view.tables;
     let point = &vertex.point;
+    let turning = |flow: u32| {
+        let label = vertex.labels[flow as usize] as usize;
+        let edits = tracer.edits.filter(|_| label > 0)?;
+        Some(&edits.list[label - 1])
+    };
+    let back = match turning(1 - flow) {
+        Some(edit) => edit.origin_at(point, back)?.direction,
+        None => back,
+    };
     let wi = point.frame.to_local(back);
     bsdf.look_up(tables, point, wi, mode::RADIANCE);
     let wo = discrete_direction(bsdf, tables, wi, vertex.event)?;
-    Some(point.spawn(point.frame.to_world(wo).normalize()))
+    let direction = point.frame.to_world(wo).normalize();
+    Some(point.spawn(match turning(flow) {
+        Some(edit) => edit.redirect_at(point, direction)?.direction,
+        None => direction,
+    }))
 }
 
 /// Lens and multi-chain perturbation: makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
@@ -211,6 +227,7 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
             };
             y.vertices[j] = Vertex::new(tables, &point);
             y.vertices[j].event = old.event;
+            y.vertices[j].labels = old.labels;
         }
         y.vertices[j].edge = arrival.edge;
         if j == last {
@@ -228,7 +245,13 @@ pub fn propose_from_sensor<T: Traverse, S: Sampler>(
             };
             ray = y.vertices[j].point.spawn(direction);
         } else {
-            match repeat_event(tracer, &y.vertices[j], -ray.direction, bsdf) {
+            match repeat_event(
+                tracer,
+                &y.vertices[j],
+                flow::IMPORTANCE,
+                -ray.direction,
+                bsdf,
+            ) {
                 Some(next) => ray = next,
                 None => return 0.0,
             }
@@ -314,9 +337,10 @@ pub fn propose_from_light<T: Traverse, S: Sampler>(
         };
         let mut vertex = Vertex::new(tables, &point);
         vertex.event = x.vertices[j].event;
+        vertex.labels = x.vertices[j].labels;
         vertex.edge = arrival.edge;
         if j < end {
-            match repeat_event(tracer, &vertex, -ray.direction, bsdf) {
+            match repeat_event(tracer, &vertex, flow::LIGHT, -ray.direction, bsdf) {
                 Some(next) => ray = next,
                 None => return 0.0,
             }

@@ -1,18 +1,17 @@
 #!/usr/bin/env python3
 """Writes the large mesh of the measurements, big.ply, and a scene of it, big.xml, into a folder.
 
-    python3 benches/large-mesh.py FOLDER
+    python3 benches/large-mesh.py [--side 708] FOLDER
 
-A bumpy plane of 999,698 triangles without vertex normals, of bumps as wide as the plane down to a dozen triangles, grey,
+A bumpy plane of 999,698 triangles (708 vertices on a side, or as many as --side says) without vertex normals, of bumps as wide as the plane down to a dozen triangles, grey,
 under a constant sky; 19 MB.
 """
 
+import argparse
 import math
 import pathlib
 import struct
-import sys
 
-SIDE = 708
 HEADER = """ply
 format binary_little_endian 1.0
 element vertex {vertices}
@@ -48,22 +47,24 @@ def height(x, y):
 
 
 def main():
-    if len(sys.argv) != 2:
-        raise SystemExit(__doc__)
-    folder = pathlib.Path(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--side", type=int, default=708)
+    options = parser.parse_args()
+    folder, side = options.folder, options.side
     folder.mkdir(parents=True, exist_ok=True)
-    at = [2 * i / (SIDE - 1) - 1 for i in range(SIDE)]
+    at = [2 * i / (side - 1) - 1 for i in range(side)]
     vertices = bytearray()
     for x in at:
         for y in at:
             vertices += struct.pack("<3f", x, y, height(x, y))
-    cells = [i * SIDE + j for i in range(SIDE - 1) for j in range(SIDE - 1)]
+    cells = [i * side + j for i in range(side - 1) for j in range(side - 1)]
     faces = bytearray()
     for a in cells:
-        faces += struct.pack("<B3i", 3, a, a + SIDE, a + 1)
+        faces += struct.pack("<B3i", 3, a, a + side, a + 1)
     for a in cells:
-        faces += struct.pack("<B3i", 3, a + 1, a + SIDE, a + SIDE + 1)
-    header = HEADER.format(vertices=SIDE * SIDE, faces=2 * len(cells))
+        faces += struct.pack("<B3i", 3, a + 1, a + side, a + side + 1)
+    header = HEADER.format(vertices=side * side, faces=2 * len(cells))
     (folder / "big.ply").write_bytes(header.encode() + vertices + faces)
     (folder / "big.xml").write_text(SCENE)
 

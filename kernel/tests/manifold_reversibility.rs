@@ -10,7 +10,7 @@ mod primitives;
 use glam::{Vec2, Vec3};
 use halflight_kernel::manifold::exploration::explore;
 use halflight_kernel::manifold::mutation::{mutate, mutation_kind};
-use halflight_kernel::manifold::projection::sides_agree;
+use halflight_kernel::manifold::projection::{project, sides_agree};
 use halflight_kernel::manifold::walk::{WalkOptions, starts_at_sensor, walk};
 use halflight_kernel::manifold::{ChainJacobian, ChainVertex, MAX_CHAIN};
 use halflight_kernel::scene::SceneView;
@@ -83,6 +83,7 @@ fn both_walks_agree_and_come_back() {
     };
     let options = WalkOptions::new(4.0);
     let counts = Cell::new([0u32; 3]);
+    let iterations = Cell::new(0);
     let inputs = (point(0.3), point(0.5), prop::array::uniform3(point(0.05)));
     runner(2000)
         .run(&inputs, |(at, away, steps)| {
@@ -116,6 +117,7 @@ fn both_walks_agree_and_come_back() {
                 let other = explore(&view, &vertices, len, &target, &options);
                 if other.is_converged() {
                     both += 1;
+                    iterations.set(iterations.get() + other.iterations);
                     for i in 0..len {
                         let off = (other.vertices[i].position - m.vertices[i].position).length();
                         // Within what 4e-4 at the end is along the chain.
@@ -130,8 +132,13 @@ fn both_walks_agree_and_come_back() {
         })
         .unwrap();
     let [walks, both, failed] = counts.get();
-    println!("{walks} reversible walks, {both} found by exploration too, {failed} others");
+    let mean = f64::from(iterations.get()) / f64::from(both);
+    println!(
+        "{walks} reversible walks, {both} found by exploration too, in {mean:.2} iterations, {failed} others"
+    );
     assert!(walks > 1500 && both > 1200);
+    // Newton's steps from a few hundredths away: digits double.
+    assert!(mean < 3.5, "{mean}");
 }
 
 /// On a bumpy mirror walks end on other parts of it from which there is no way back. Walks that are called reversible are, and
@@ -249,5 +256,31 @@ fn neighbours_stay_on_their_sides() {
             new[end].position = Vec3::from_array(moved);
             assert_eq!(sides_agree(&old, &new, 3), is_same, "end {end}");
         }
+    }
+}
+
+/// A projection around a ball to where the light still sees it and the sensor does not is no projection, from either end.
+#[test]
+fn projections_keep_neighbours_on_their_sides() {
+    let scene = Mirrors::default().sphere(Vec3::ZERO, 1.0, 0);
+    let view = SceneView {
+        tables: scene.geometry.tables(),
+        traverse: &scene,
+    };
+    let [light, sensor] = [Vec3::X * 3.0, Vec3::Y * 3.0].map(ChainVertex::point);
+    let (old, len) = scene
+        .chain(light, &[Vec3::new(0.7, 0.7, 0.0)], sensor, mirror)
+        .unwrap();
+    for (to, is_valid) in [
+        (Vec3::new(0.8, 0.6, 0.0), true),
+        (Vec3::new(0.98, -0.2, 0.0), false),
+        (Vec3::new(-0.2, 0.98, 0.0), false),
+    ] {
+        let predicted = [to; MAX_CHAIN];
+        // The end at which the projection begins sees the place.
+        let from_sensor = to.y > to.x;
+        let found = project(&view, &old, len, &predicted, from_sensor);
+        assert!((found.vertices[1].position - to).length() < 0.1, "{to}");
+        assert_eq!(found.valid, is_valid, "{to}");
     }
 }

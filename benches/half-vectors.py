@@ -8,6 +8,7 @@ Parts; FOLDER/SCENE/scene.xml are scenes with references FOLDER/reference/SCENE.
   displaced   improved over original: time to equal error on a displaced mesh of a million triangles, and on FOLDER's glossy-chain
   roughness   local over global: time to equal CIE76 error on coated plastic, measured metal and diffracting metal
   cost        mutations per second of processor time over samples of path on these scenes, and for chains of 2 to 10 inner vertices
+  shares      what half-vector mutations alone spend their time on (Linux perf)
 
 Errors are relative squared errors less the reference's own variance, whole and without the worst one of a thousand pixels. Times to
 equal error come from a power law through errors at three times. Scenes and references of displaced and roughness are made
@@ -254,6 +255,52 @@ def rate(options, scene, arguments, few, many):
     return (t1 - t0), n1 - n0, text
 
 
+def alone(options, name):
+    """A scene of the folder with half-vector mutations alone."""
+    source = pathlib.Path(options.folder) / name
+    text = (source / "scene.xml").read_text()
+    own = (
+        '<boolean name="bidirectional_mutation" value="false"/><integer name="direct_samples" value="0"/>'
+        '<integer name="luminance_samples" value="50000"/><integer name="group_mutations" value="32"/>'
+    )
+    text = re.sub(r'(<integrator type=")[^"]*(">)', rf"\1hslt\2{own}", text, count=1)
+    text = re.sub(r'(name="filename" value=")', rf"\1{source.resolve()}/", text)
+    scene = pathlib.Path(options.work) / f"cost-{name}.xml"
+    scene.write_text(text)
+    return scene
+
+
+# Names of functions by what they do, the first that fits.
+PARTS = (
+    ("rays", r"CpuTraverse|accel"),
+    ("solving", r"block_tridiagonal|block_elimination|manifold::(constraint|chain|half_vector)|scattering_measure"),
+    ("walks", r"manifold::"),
+    ("BSDFs", r"bsdf"),
+    ("surfaces", r"scene::(surface|mesh|shape|camera|emitter)"),
+    ("evaluation of paths", r"path::|measure"),
+    ("the mutation itself", r"half_vector"),
+    ("copies", r"memmove|memcpy|memset"),
+)
+
+
+def shares(options):
+    print("| scene | mutation | " + " | ".join(name for name, _ in PARTS) + " | rest |")
+    print("|---" * (3 + len(PARTS)) + "|")
+    for name in options.scenes.split(","):
+        scene = alone(options, name)
+        for variant, arguments in (("broken up", []), ("whole paths", ["--hslt", "original"])):
+            data = os.path.join(options.work, "perf.data")
+            command = ["perf", "record", "-q", "-o", data, "-F", "499", options.halflight, "render", str(scene), "-q", "--no-png"]
+            run(command + ["--threads", "1", "--spp", "64", "-o", os.path.join(options.work, "shares.exr")] + arguments)
+            report = ["perf", "report", "-i", data, "--stdio", "--no-children", "-F", "overhead,sym"]
+            text = subprocess.run(report, capture_output=True, text=True, check=True).stdout
+            sums = dict.fromkeys([n for n, _ in PARTS] + ["rest"], 0.0)
+            for share, symbol in re.findall(r"^\s+([\d.]+)%\s+\[.\]\s+(.*)$", text, re.MULTILINE):
+                part = next((n for n, pattern in PARTS if re.search(pattern, symbol)), "rest")
+                sums[part] += float(share)
+            print(f"| {name} | {variant} | " + " | ".join(f"{v:.0f} %" for v in sums.values()) + " |", flush=True)
+
+
 def cost(options):
     print("| scene | path samples, million/s | half-vector mutations | over path | original | over path |")
     print("|---" * 6 + "|")
@@ -261,15 +308,7 @@ def cost(options):
     pixels = module("samples-per-second").pixels
     for name in options.scenes.split(","):
         source = pathlib.Path(options.folder) / name
-        text = (source / "scene.xml").read_text()
-        own = (
-            '<boolean name="bidirectional_mutation" value="false"/><integer name="direct_samples" value="0"/>'
-            '<integer name="luminance_samples" value="50000"/><integer name="group_mutations" value="32"/>'
-        )
-        text = re.sub(r'(<integrator type=")[^"]*(">)', rf"\1hslt\2{own}", text, count=1)
-        text = re.sub(r'(name="filename" value=")', rf"\1{source.resolve()}/", text)
-        scene = folder / f"cost-{name}.xml"
-        scene.write_text(text)
+        scene = alone(options, name)
         count = pixels(options.halflight, str(scene))
         seconds, _, _ = rate(options, source / "scene.xml", ["--integrator", "path"], 1, 33)
         path = 32 * count / seconds / 1e6
@@ -293,7 +332,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("halflight")
     parser.add_argument("folder")
-    parser.add_argument("parts", nargs="+", choices=("race", "displaced", "roughness", "cost"))
+    parser.add_argument("parts", nargs="+", choices=("race", "displaced", "roughness", "cost", "shares"))
     parser.add_argument("--scenes", default=SCENES)
     parser.add_argument("--seconds", type=float, default=30.0)
     parser.add_argument("--seeds", type=int, default=2)

@@ -12,7 +12,7 @@ mod primitives;
 use chains::{N, chain};
 use common::Random;
 use glam::{DVec2, Mat2, Vec2, Vec3};
-use halflight_kernel::manifold::breakup::{WHOLE, choose, probabilities_b, probabilities_c};
+use halflight_kernel::manifold::breakup::{STOP, WHOLE, choose, probabilities_b, probabilities_c};
 use halflight_kernel::manifold::slope_gaussian::SlopeGaussian;
 use halflight_kernel::manifold::step_size::*;
 use halflight_kernel::manifold::{ChainJacobian, ChainVertex, half_vector_form, vertex_kind};
@@ -286,7 +286,8 @@ fn breakup_probabilities_sum_to_one() {
         .unwrap();
 }
 
-/// P(c | b) follows alpha_c times the squared length of the edge; choices have their frequencies.
+/// P(c | b) follows alpha_c times the squared length of the edge, and both what rough vertices on the way let pass; choices have their
+/// frequencies.
 #[test]
 fn breakup_points_have_their_probabilities() {
     let mut vertices = [ChainVertex::NONE; 8];
@@ -299,14 +300,18 @@ fn breakup_points_have_their_probabilities() {
     }
     let mut p = [0.0; 8];
     probabilities_c(&vertices, 5, 4, &mut p);
-    // 1 * 1, 0.2 * 4, 0.1 * 1; the edge to the sensor is out.
-    let expected = [1.0 / 1.9, 0.8 / 1.9, 0.1 / 1.9, 0.0, 0.0];
+    // 1 * 1, 0.2 * 4, 0.1 * 1, each times what is passed; the edge to the sensor is out.
+    let pass = |alpha: f32| 1.0 - STOP * alpha;
+    let weights = [pass(0.1) * pass(0.2), 0.8 * pass(0.1), 0.1, 0.0, 0.0];
+    let expected = weights.map(|weight| weight / weights.iter().sum::<f32>());
     for i in 0..5 {
         assert!((p[i] - expected[i]).abs() < 1e-6);
     }
     probabilities_b(&vertices, 5, &mut p);
-    // 0.2, 0.1 and 0.4 of what the two ends leave.
-    let expected = [0.1, 0.8 * 2.0 / 7.0, 0.8 / 7.0, 0.8 * 4.0 / 7.0, 0.1];
+    // 0.2, 0.1 and 0.4 of what the two ends leave, each times what is passed.
+    let weights = [0.2 * pass(0.4) * pass(0.1), 0.1 * pass(0.4), 0.4];
+    let inner = weights.map(|weight| 0.8 * weight / weights.iter().sum::<f32>());
+    let expected = [0.1, inner[0], inner[1], inner[2], 0.1];
     for i in 0..5 {
         assert!((p[i] - expected[i]).abs() < 1e-6);
     }

@@ -233,7 +233,8 @@ def sheets(count):
         for i in range(count)
     )
     return f"""<scene version="3.0.0"><integrator type="hslt"><integer name="max_depth" value="{count + 2}"/><integer name="direct_samples" value="0"/>
-<boolean name="bidirectional_mutation" value="false"/><boolean name="hide_emitters" value="true"/><integer name="luminance_samples" value="50000"/></integrator>
+<boolean name="bidirectional_mutation" value="false"/><boolean name="hide_emitters" value="true"/><integer name="luminance_samples" value="50000"/>
+<integer name="group_mutations" value="32"/></integrator>
 <sensor type="perspective"><float name="fov" value="40"/><transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
 <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="64"/><rfilter type="box"/></film></sensor>
 <shape type="rectangle"><transform name="to_world"><scale value="3"/></transform><bsdf type="diffuse"/></shape>
@@ -322,7 +323,7 @@ def cost(options):
     for panes in range(1, 10):
         scene = folder / "sheets.xml"
         scene.write_text(sheets(panes))
-        seconds, made, text = rate(options, scene, ["--hslt", "original"], 64, 192)
+        seconds, made, text = rate(options, scene, ["--hslt", "original"], 32, 96)
         walks = re.search(r"walks, ([\d.]+ %) found in ([\d.]+) iterations", text)
         found = walks.groups() if walks else ("", "")
         print(f"| {panes + 1} | {1e6 * seconds / made:.2f} | {acceptance(text, 'half-vector'):.1f} % | {found[0]} | {found[1]} |", flush=True)

@@ -3,7 +3,7 @@
 //! The content goes to a temporary file in the same folder, is flushed to the disk, and only then takes the final
 //! name by a rename, which file systems do in one step. A full disk, a crash or a kill therefore leaves the previous
 //! file or none under the final name, never half of one. A killed process can leave a `.NAME.*.partial` behind; the next one
-//! that writes the same name removes it. Files under way are locked, so that nobody removes those.
+//! that writes the same name removes it. Files that are being written are locked, so that they are not removed.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -64,7 +64,7 @@ fn write_and_rename(
     }
     let (file, temporary) = loop {
         let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
-        // Where files cannot be locked, nobody removes them either. Who cleans up may have been faster than the lock.
+        // Where files cannot be locked, they are not removed either. Another process may have removed this one before it was locked.
         if file.lock().is_err() || temporary.exists() {
             break (file, temporary);
         }

@@ -2,7 +2,7 @@
 //!
 //! Two runs with one checkpoint would render the same samples and replace each other's file. So a run holds a lock, as long as it
 //! lives, on `.NAME.lock` beside the file; the file itself does not do, because it is replaced by every new one. Where files cannot
-//! be locked, as on some network file systems, nobody is kept from anything.
+//! be locked, as on some network file systems, runs are not kept apart.
 
 use crate::atomic_file::destination;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -61,7 +61,7 @@ impl RunLock {
 
 impl Drop for RunLock {
     fn drop(&mut self) {
-        // Still locked, so that nobody else has it by then.
+        // Still locked, so that no other process has it by then.
         let _ = std::fs::remove_file(&self.path);
     }
 }

@@ -1,7 +1,7 @@
 //! Lines for people and programs that may not be readable any more.
 //!
 //! The macros of the standard library end the program where a line cannot be written: a full disk, or a pipe whose reader has
-//! gone. Nobody wants to lose an image for a line about it.
+//! gone. A failed message must not cost the image.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};

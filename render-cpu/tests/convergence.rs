@@ -3,11 +3,11 @@
 use halflight::accel::Accel;
 use halflight::compare::metrics::RgbImage;
 use halflight::experiment::convergence::errors::{
-    Errors, Reference, ShownErrors, Yardstick, relative_squares, trimmed_mean,
+    ErrorReference, Errors, Reference, ShownErrors, relative_squares, trimmed_mean,
 };
 use halflight::experiment::convergence::race::Budget;
 use halflight::experiment::convergence::report::{Subject, json, number, plots, slope, table};
-use halflight::experiment::convergence::sheet::{Column, draw, telling_windows};
+use halflight::experiment::convergence::sheet::{Column, draw, most_different_windows};
 use halflight::experiment::convergence::{Outcome, Point, Setup, comparable, find, run};
 use halflight::image::ExrImage;
 use halflight::plot::picture::Picture;
@@ -84,7 +84,7 @@ fn errors_have_their_closed_forms() {
     let errors = Errors::new(
         &image,
         &[[0.1; 3], [0.3; 3]],
-        Yardstick::Reference(&reference),
+        ErrorReference::Reference(&reference),
     );
     let expected = 0.25 / 1.01 / 2.0;
     assert!((errors.relative_mse - expected).abs() < 1e-12);
@@ -101,12 +101,12 @@ fn errors_have_their_closed_forms() {
 #[test]
 fn pairs_state_the_error_of_one() {
     let (a, b) = (grey(&[1.5, 2.0]), grey(&[0.5, 2.0]));
-    let errors = Errors::new(&a, &[[0.0; 3]; 2], Yardstick::Twin(&b));
+    let errors = Errors::new(&a, &[[0.0; 3]; 2], ErrorReference::Twin(&b));
     // (1.5 - 0.5)^2 / 2 over the mean 1, and one of two pixels.
     assert!((errors.relative_mse - 0.5 / 1.01 / 2.0).abs() < 1e-12);
     assert!((errors.residual_rms - (1.0_f64 / 2.0 / 2.0).sqrt()).abs() < 1e-12);
     assert_eq!((errors.less_reference, errors.sigma), (None, 0.0));
-    let shown = ShownErrors::new(&a, Yardstick::Twin(&a));
+    let shown = ShownErrors::new(&a, ErrorReference::Twin(&a));
     assert_eq!((shown.cie76, shown.ssim, shown.flip), (0.0, None, 0.0));
 }
 
@@ -177,7 +177,7 @@ fn a_reference_of_the_same_algorithm_leaves_its_noise() {
     // The image's own variance foretells the error, within what 192 pixels leave open.
     let ratio = last.errors.relative_mse.sqrt() / last.errors.sigma;
     assert!((0.6..1.6).contains(&ratio), "{ratio}");
-    let again = relative_squares(&found.image, Yardstick::Reference(&reference));
+    let again = relative_squares(&found.image, ErrorReference::Reference(&reference));
     assert_eq!(again, found.error_map);
 }
 
@@ -241,7 +241,7 @@ fn numbers_are_reported() {
 #[test]
 fn the_sheet_enlarges_where_algorithms_differ() {
     let outcomes = [outcome("path", 1.0, 64 * 40 + 60), outcome("bdpt", 0.25, 0)];
-    let windows = telling_windows(&outcomes, [64, 48]);
+    let windows = most_different_windows(&outcomes, [64, 48]);
     let [x, y, w, h] = windows[0];
     assert!(
         (x..x + w).contains(&60) && (y..y + h).contains(&40),

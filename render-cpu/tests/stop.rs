@@ -149,7 +149,7 @@ fn cut_anywhere(integrator: &str, adaptive: bool, samples: u32, may_be_uneven: b
             )
         })
         .expect("a pass");
-        was_uneven |= film.owed().is_some();
+        was_uneven |= film.pending().is_some();
         (state, film) = reread(&state, &film);
         if outcome == Outcome::Finished {
             break;
@@ -183,7 +183,7 @@ fn a_lower_goal_is_met_where_a_pass_was_cut() {
     backend
         .pass(&mut film, 5, Some(&counts), &Stop::NEVER)
         .expect("a pass");
-    *film.owed_mut() = Some(halflight::film::owed::Owed {
+    *film.pending_mut() = Some(halflight::film::pending_samples::PendingSamples {
         per_pixel: 3,
         counts: counts.iter().map(|count| 5 - count).collect(),
     });
@@ -211,7 +211,7 @@ fn a_lower_goal_is_met_where_a_pass_was_cut() {
         assert_eq!(pixel.count, (*count).max(4));
     }
     go_on(7, &mut film, &mut state);
-    assert_eq!((state.samples, film.owed()), (7, None));
+    assert_eq!((state.samples, film.pending()), (7, None));
     let mut straight = empty(&scene);
     go_on(7, &mut straight, &mut RunState::default());
     assert!(film == straight);

@@ -7,7 +7,7 @@ use super::scene_args::{SceneArgs, build_accel, parse_numbers};
 use crate::experiment::convergence::errors::Reference;
 use crate::experiment::convergence::race::Budget;
 use crate::experiment::convergence::report::{Subject, json, number, plots, table};
-use crate::experiment::convergence::sheet::{Column, draw, telling_windows};
+use crate::experiment::convergence::sheet::{Column, draw, most_different_windows};
 use crate::experiment::convergence::{Outcome, Setup, run as compare};
 use crate::image::png_output::{Exposure, exposure_scale, tone_map, write_png_bytes};
 use crate::plot::picture::{Picture, Window};
@@ -187,7 +187,7 @@ fn write_sheet(
         });
     }
     let insets = if args.inset.is_empty() {
-        telling_windows(outcomes, size)
+        most_different_windows(outcomes, size)
     } else {
         args.inset.clone()
     };

@@ -1,4 +1,4 @@
-//! What an image will cost, from a trial.
+//! What an image will cost, from a measure_rate.
 //!
 //! Where samples belong to their pixels, some of all over the image are taken. Other algorithms take whole images only: they
 //! render a small one of the same view, with as many photons for each pixel, or a short group of chains.
@@ -71,7 +71,12 @@ pub(super) fn cost(scene: &mut Scene, accel: &Accel) -> Cost {
 }
 
 /// One pass of `per_pixel` samples, or of those that are counted: samples per second.
-fn trial(scene: &Scene, accel: &Accel, per_pixel: u32, counts: Option<&[u32]>) -> Option<f64> {
+fn measure_rate(
+    scene: &Scene,
+    accel: &Accel,
+    per_pixel: u32,
+    counts: Option<&[u32]>,
+) -> Option<f64> {
     let camera = &scene.tables.camera;
     let [width, height] = camera.crop_size;
     let layers = AovSet::NONE.union(own_layers(scene.settings.kind));
@@ -101,7 +106,7 @@ fn rate_of_pixels(scene: &Scene, accel: &Accel) -> Option<f64> {
     let of_each = (TRIAL_SAMPLES / pixels).clamp(1, 16) as u32;
     let wanted = |i: usize| if i.is_multiple_of(every) { of_each } else { 0 };
     let counts: Vec<u32> = (0..pixels).map(wanted).collect();
-    trial(scene, accel, of_each, Some(&counts))
+    measure_rate(scene, accel, of_each, Some(&counts))
 }
 
 /// Of a small image of the same view, about `wanted` of its `pixels`.
@@ -134,7 +139,7 @@ fn rate_of_small_image(
         settings.chains.mutations = TRIAL_MUTATIONS;
         settings.chains.chains = TRIAL_CHAINS;
     }
-    let rate = trial(scene, accel, 1, None)?;
+    let rate = measure_rate(scene, accel, 1, None)?;
     Some(if has_chains {
         rate * f64::from(TRIAL_MUTATIONS)
     } else {

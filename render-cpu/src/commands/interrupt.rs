@@ -1,6 +1,6 @@
 //! Ctrl-C and the other signals that ask a run to end.
 //!
-//! The first one asks: what is under way is finished, files are written. The second one ends the program. A hang-up that the
+//! The first one requests the end: the current pass is finished, files are written. The second one ends the program. A hang-up that the
 //! shell has been told to ignore (`nohup`) stays ignored, and so does the Ctrl-C that it ignores for what runs in the background of
 //! a script.
 

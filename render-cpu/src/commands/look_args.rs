@@ -1,4 +1,4 @@
-//! Arguments about what becomes of samples and films on the way to image files.
+//! Arguments about what is done to samples and films before they become image files.
 
 use super::render_values::{parse_exposure, parse_positive};
 use crate::image::png_output::Exposure;

@@ -38,7 +38,7 @@ impl TevPreview {
     /// Connects to tev and makes an image there.
     ///
     /// # Errors
-    /// If nobody listens.
+    /// If nothing listens at the address.
     pub fn connect(address: &str, name: String, film: &Film) -> Result<TevPreview, String> {
         let connect = || -> io::Result<TevClient> {
             let mut result = Err(io::Error::other("the address names no host"));

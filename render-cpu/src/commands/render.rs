@@ -50,7 +50,7 @@ pub struct Job<'a> {
     pub options: &'a RenderOptions,
 }
 
-/// Runs the command with another way of rendering, called once: it may build what it needs first and then calls
+/// Runs the command with another renderer, called once: it may build what it needs first and then calls
 /// [`crate::render::render_with`].
 ///
 /// # Errors
@@ -173,7 +173,7 @@ pub fn run_with(
         );
     }
     if let Err(error) = args.write(&output, &scene, &film, &options, &state, quiet) {
-        return Err(args.rescue(error, &output, &scene, &film, &options, &state));
+        return Err(args.write_elsewhere(error, &output, &scene, &film, &options, &state));
     }
     saved?;
     if outcome.is_ok() {

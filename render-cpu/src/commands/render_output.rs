@@ -96,7 +96,7 @@ impl RenderArgs {
 
     /// Writes the image elsewhere after `error` has kept it from where it belongs, so that it is not lost: where temporary files
     /// go. Returns the error, which says where it is now.
-    pub(super) fn rescue(
+    pub(super) fn write_elsewhere(
         &self,
         error: Box<dyn Error + Send + Sync>,
         output: &Path,

@@ -2,7 +2,7 @@
 //!
 //! Chains of the bidirectional mutation and one other, from the same starts: the half-vector mutation of whole paths with projections
 //! from the end that the method chooses, from the light and from the sensor; the one that breaks paths up; manifold exploration
-//! in all directions, towards the sensor and towards the light. Walks are those of the way there; a walk is constructed when it
+//! in all directions, towards the sensor and towards the light. Walks are those of the forward direction; a walk is constructed when it
 //! has found a path, and not reversible when the walk back from it leads elsewhere.
 
 use super::steps::rendered;

@@ -142,7 +142,7 @@ impl Deterministic {
     }
 
     /// Bits of the expressions that some path matches; states from which none does become the dead one.
-    pub fn bury(&mut self, letters: &Letters<'_>) -> u32 {
+    pub fn merge_dead_states(&mut self, letters: &Letters<'_>) -> u32 {
         // What each state may come to: by a last letter, and then by surfaces before it.
         let mut hopes: Vec<u32> = (0..self.states.len() as u32)
             .map(|state| {

@@ -130,8 +130,8 @@ pub fn compile(
     };
     let mut light = made(&from_light, End::Light)?;
     let mut sensor = made(&from_sensor, End::Sensor)?;
-    let matchable = light.bury(&from_light);
-    sensor.bury(&from_sensor);
+    let matchable = light.merge_dead_states(&from_light);
+    sensor.merge_dead_states(&from_sensor);
     if !tables.emitters.is_empty() {
         for (i, text) in texts.iter().enumerate() {
             if matchable >> i & 1 == 0 && (only == 0 || i == 0) {

@@ -5,7 +5,7 @@
 //!   those of one run; means of its film round differently in the last bits of f64, see [`super`]. Of algorithms with passes over
 //!   photons a sample is a pass, of Markov chains a group of chains;
 //! - by *pixels*, task i takes all samples of the tiles i, i + N, i + 2 N ..., so that no pixel's samples are ever summed in
-//!   two places, and the image is that of one run to the last bit. Not for algorithms whose samples splat on other pixels;
+//!   two machines, and the image is that of one run to the last bit. Not for algorithms whose samples splat on other pixels;
 //! - by *seeds*, each task takes as many samples with a seed of its own, for sequences that are better not divided (Sobol').
 //!
 //! The plan holds the settings of the run as a checkpoint does. Every task compares them with those of the scene that it has

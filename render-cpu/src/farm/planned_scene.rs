@@ -49,7 +49,7 @@ pub struct PlannedScene {
     pub look: PlannedLook,
 }
 
-/// What becomes of samples and films on the way to the image.
+/// What is done to samples and films before they become the image.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlannedLook {
     /// What the largest component of every sample is brought down to.

@@ -12,7 +12,7 @@ pub struct ChainCounts(Vec<(String, MutationCounts)>);
 
 /// The counts of a mutation in a checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct KeptCounts {
+pub struct CheckpointCounts {
     name: String,
     /// Proposed, lit, accepted; walks, found, irreversible, iterations, iterations of found, jumps, accepted jumps.
     numbers: [u64; 10],
@@ -49,10 +49,10 @@ impl ChainCounts {
     }
 
     /// For a checkpoint.
-    pub fn kept(&self) -> Vec<KeptCounts> {
+    pub fn kept(&self) -> Vec<CheckpointCounts> {
         let kept = |(name, c): (&str, &MutationCounts)| {
             let w = &c.walks;
-            KeptCounts {
+            CheckpointCounts {
                 name: name.to_owned(),
                 numbers: [
                     c.proposed,
@@ -72,9 +72,9 @@ impl ChainCounts {
     }
 
     /// From a checkpoint.
-    pub fn of_kept(kept: &[KeptCounts]) -> ChainCounts {
+    pub fn of_kept(kept: &[CheckpointCounts]) -> ChainCounts {
         let mut counts = ChainCounts::default();
-        for KeptCounts { name, numbers } in kept {
+        for CheckpointCounts { name, numbers } in kept {
             let [proposed, lit, accepted, walks @ ..] = *numbers;
             let [
                 walks,

@@ -5,7 +5,7 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `HLFILM\r\n`; the line end catches transfers that rewrite text |
-//! | 4 | version of the layout: 1, or 2 where samples are owed |
+//! | 4 | version of the layout: 1, or 2 where samples are pending |
 //! | 4 | length of the header |
 //! | ... | header, JSON: settings of the run, progress, layout of the film |
 //! | 64 per pixel | count u32, rejected u32, then mean (3), m2 (3) and luminance m2 as f64 |
@@ -21,8 +21,8 @@
 
 use crate::atomic_file::{WriteError, write_atomically};
 use crate::film::aov::AovSet;
-use crate::film::chain_counts::{ChainCounts, KeptCounts};
-use crate::film::owed::Owed;
+use crate::film::chain_counts::{ChainCounts, CheckpointCounts};
+use crate::film::pending_samples::PendingSamples;
 use crate::film::{Film, FilmError, PixelStatistics, sums_per_pixel};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -45,7 +45,7 @@ const BATCH: usize = 4096;
 /// Name of the setting with the path of the scene.
 const SCENE: &str = "scene";
 
-/// End of the names of settings that nobody reads.
+/// End of the names of settings that are not read.
 const DIGEST: &str = " (digest)";
 
 /// What decides the numbers of an image, by name: scene and its hash, size, seed, integrator, sampler, version ...
@@ -79,7 +79,7 @@ struct Header {
     owed_per_pixel: u32,
     /// What became of the mutations of chains.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    mutations: Vec<KeptCounts>,
+    mutations: Vec<CheckpointCounts>,
 }
 
 /// Why a checkpoint cannot be used.
@@ -147,10 +147,10 @@ pub fn write_checkpoint(
             .map(|aov| aov.name().to_owned())
             .collect(),
         parts: film.parts().to_vec(),
-        owed_per_pixel: film.owed().map_or(0, |owed| owed.per_pixel),
+        owed_per_pixel: film.pending().map_or(0, |pending| pending.per_pixel),
         mutations: film.chain_counts().kept(),
     };
-    let version = match film.owed() {
+    let version = match film.pending() {
         Some(_) => VERSION_WITH_OWED,
         None => VERSION,
     };
@@ -190,8 +190,8 @@ pub fn write_checkpoint(
         put(&buffer)?;
     }
     for batch in film
-        .owed()
-        .map_or(&[][..], |owed| &owed.counts)
+        .pending()
+        .map_or(&[][..], |pending| &pending.counts)
         .chunks(BATCH)
     {
         buffer.clear();
@@ -366,7 +366,7 @@ pub fn read_checkpoint(
                 *count = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
             }
         }
-        *film.owed_mut() = Some(Owed {
+        *film.pending_mut() = Some(PendingSamples {
             per_pixel: header.owed_per_pixel,
             counts,
         });

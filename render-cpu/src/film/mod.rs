@@ -12,13 +12,13 @@ pub mod aov;
 pub mod chain_counts;
 pub mod checkpoint;
 pub mod exact_sum;
-pub mod owed;
+pub mod pending_samples;
 mod pixel_statistics;
 mod tile;
 
 use aov::{Aov, AovSet};
 use chain_counts::ChainCounts;
-use owed::Owed;
+use pending_samples::PendingSamples;
 
 pub use pixel_statistics::{PixelStatistics, luminance};
 pub use tile::{ChainSteps, FilmTile, PixelMut};
@@ -50,7 +50,7 @@ pub struct Film {
     /// Sums of the enabled output variables and of the parts, [`Film::sums_per_pixel`] numbers per pixel.
     aov_sums: Vec<f64>,
     /// What a pass that was cut still owes.
-    owed: Option<Owed>,
+    pending: Option<PendingSamples>,
     /// What the largest component of a sample is brought down to; infinite by default.
     clamp: f32,
     /// What became of the mutations of chains.
@@ -127,7 +127,7 @@ impl Film {
             parts,
             statistics,
             aov_sums,
-            owed: None,
+            pending: None,
             clamp: f32::INFINITY,
             chain_counts: ChainCounts::default(),
         })
@@ -201,14 +201,14 @@ impl Film {
         &self.aov_sums
     }
 
-    /// Samples that a pass which was cut still owes to the pixels.
-    pub fn owed(&self) -> Option<&Owed> {
-        self.owed.as_ref()
+    /// Samples of a pass that was cut which pixels have still to get.
+    pub fn pending(&self) -> Option<&PendingSamples> {
+        self.pending.as_ref()
     }
 
-    /// Takes or sets what is owed.
-    pub fn owed_mut(&mut self) -> &mut Option<Owed> {
-        &mut self.owed
+    /// [`Film::pending`], to be taken or set.
+    pub fn pending_mut(&mut self) -> &mut Option<PendingSamples> {
+        &mut self.pending
     }
 
     /// Brings the largest component of every sample from now on down to `clamp`: fewer fireflies, and a bias.

@@ -136,7 +136,7 @@ impl Merger {
                 .push(format!("{name} has no layer \"{layer}\": it is left out"));
         }
         self.grow(union);
-        let places: Vec<usize> = window.places_in(&union).collect();
+        let places: Vec<usize> = window.indices_in(&union).collect();
         let mut others = others.into_iter();
         self.channels.retain_mut(|channel| {
             let Some(Some((mean, m2))) = others.next() else {
@@ -235,7 +235,7 @@ impl Merger {
             return;
         }
         let pixels = window.width as usize * window.height as usize;
-        let places: Vec<usize> = self.window.places_in(&window).collect();
+        let places: Vec<usize> = self.window.indices_in(&window).collect();
         let moved = |values: &mut Vec<f64>| {
             let mut larger = vec![0.0; pixels];
             for (value, &place) in values.iter().zip(&places) {

@@ -97,7 +97,7 @@ pub struct ImageMetadata {
     pub render_seconds: f64,
     /// Samples of every pixel, where all have as many.
     pub samples_per_pixel: Option<u32>,
-    /// Who the image belongs to; empty where nobody said.
+    /// Who the image belongs to; empty if unknown.
     pub owner: String,
     /// Where the camera stood, as OpenEXR has it.
     pub camera: CameraAttributes,

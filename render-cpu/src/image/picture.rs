@@ -170,7 +170,7 @@ impl Picture {
             window: part,
             full_size: self.full_size,
             pixels: part
-                .places_in(&self.window)
+                .indices_in(&self.window)
                 .map(|i| self.pixels[i])
                 .collect(),
         })
@@ -216,7 +216,7 @@ impl Picture {
         }
         let mut pixels = vec![[0.0; 3]; window.width as usize * window.height as usize];
         for part in parts {
-            for (place, pixel) in part.window.places_in(&window).zip(&part.pixels) {
+            for (place, pixel) in part.window.indices_in(&window).zip(&part.pixels) {
                 pixels[place] = *pixel;
             }
         }

@@ -44,7 +44,7 @@ impl Window {
     }
 
     /// Where the pixels, by rows, are among those of a rectangle that holds this one.
-    pub fn places_in(self, larger: &Window) -> impl Iterator<Item = usize> {
+    pub fn indices_in(self, larger: &Window) -> impl Iterator<Item = usize> {
         let left = self.origin[0].abs_diff(larger.origin[0]) as usize;
         let top = self.origin[1].abs_diff(larger.origin[1]) as usize;
         let across = larger.width as usize;
@@ -76,7 +76,7 @@ mod tests {
             window(i32::MIN, 0, 1, 1).union(&window(i32::MAX, 9, 1, 1)),
             None
         );
-        let places: Vec<usize> = window(1, 4, 2, 2).places_in(&window(0, 3, 5, 3)).collect();
+        let places: Vec<usize> = window(1, 4, 2, 2).indices_in(&window(0, 3, 5, 3)).collect();
         assert_eq!(places, [6, 7, 11, 12]);
     }
 }

@@ -8,7 +8,7 @@ use plotters::style::{Color, RGBColor};
 /// Width of the legend in pixels.
 pub(super) const WIDTH: u32 = 150;
 
-/// Decades that a logarithmic scale shows below its largest value, if nobody says how many.
+/// Decades that a logarithmic scale shows below its largest value, unless the number is given.
 const DECADES: f64 = 4.0;
 
 /// How values become colours.
@@ -47,8 +47,8 @@ impl ColorScale {
         }
     }
 
-    /// Place of a value, 0 for the first colour and 1 for the last.
-    pub fn place(&self, value: f64) -> f64 {
+    /// Position of a value, 0 for the first colour and 1 for the last.
+    pub fn position(&self, value: f64) -> f64 {
         if !value.is_finite() {
             return value;
         }
@@ -69,19 +69,19 @@ impl ColorScale {
         }
     }
 
-    /// The value at a place.
-    pub fn value(&self, place: f64) -> f64 {
+    /// The value at a position.
+    pub fn value(&self, position: f64) -> f64 {
         if self.is_logarithmic {
             let least = self.least.max(f64::MIN_POSITIVE);
-            least * (self.most / least).powf(place)
+            least * (self.most / least).powf(position)
         } else {
-            self.least + (self.most - self.least) * place
+            self.least + (self.most - self.least) * position
         }
     }
 
     /// Colour of a value.
     pub fn color(&self, value: f64) -> [u8; 3] {
-        heatmap::color(self.place(value))
+        heatmap::color(self.position(value))
     }
 
     /// Draws the bar at the left end `x` of a canvas, with what it measures above.
@@ -101,17 +101,17 @@ impl ColorScale {
             area.draw(&Text::new(name.to_owned(), (left, 6), text_style(14)))?;
             area.draw(&Text::new(unit.to_owned(), (left, 23), text_style(13)))?;
             for y in top..bottom {
-                let place = f64::from(bottom - 1 - y) / f64::from((bottom - top - 1).max(1));
-                let [r, g, b] = heatmap::color(place);
+                let position = f64::from(bottom - 1 - y) / f64::from((bottom - top - 1).max(1));
+                let [r, g, b] = heatmap::color(position);
                 let row =
                     Rectangle::new([(left, y), (left + 20, y + 1)], RGBColor(r, g, b).filled());
                 area.draw(&row)?;
             }
             let labels = ((bottom - top) / 40).clamp(1, 8);
             for i in 0..=labels {
-                let place = f64::from(i) / f64::from(labels);
-                let y = bottom - 1 - (place * f64::from(bottom - top - 1)).round() as i32;
-                let text = short(self.value(place));
+                let position = f64::from(i) / f64::from(labels);
+                let y = bottom - 1 - (position * f64::from(bottom - top - 1)).round() as i32;
+                let text = short(self.value(position));
                 area.draw(&Text::new(text, (left + 27, y - 7), text_style(13)))?;
             }
             Ok(())
@@ -143,13 +143,13 @@ mod tests {
         for is_logarithmic in [false, true] {
             let scale = ColorScale::of(&[0.0, 1.0, 50.0], None, None, is_logarithmic);
             assert_eq!(scale.most, 50.0);
-            assert_eq!(scale.place(50.0), 1.0);
-            assert_eq!(scale.place(-1.0), 0.0);
-            let value = scale.value(scale.place(7.0));
+            assert_eq!(scale.position(50.0), 1.0);
+            assert_eq!(scale.position(-1.0), 0.0);
+            let value = scale.value(scale.position(7.0));
             assert!((value - 7.0).abs() < 1e-9, "{value}");
         }
         let log = ColorScale::of(&[], Some(0.01), Some(100.0), true);
-        assert!((log.place(1.0) - 0.5).abs() < 1e-12);
+        assert!((log.position(1.0) - 0.5).abs() < 1e-12);
         assert_eq!(log.color(f64::NAN), heatmap::NOT_FINITE);
     }
 

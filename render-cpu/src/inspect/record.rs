@@ -2,7 +2,7 @@
 //! ([`super::record_file`]).
 //!
 //! Bright paths are kept rather than dark ones (priority sampling, Duffield, Lund and Thorup 2007): of a path of luminance w the key
-//! is u / w, u a hash of seed, pixel, sample and place in the sample, and the least keys are kept. With k the least key that
+//! is u / w, u a hash of seed, pixel, sample and index in the sample, and the least keys are kept. With k the least key that
 //! is not, each path stands for the luminance max(w, 1 / k): these numbers of any set of paths add up, on average, to the
 //! luminance of all of that set. What is kept is a function of the seed and the samples alone, not of threads.
 
@@ -24,29 +24,29 @@ const ROWS: u32 = 4;
 /// Turns the seed of samples into that of the choice among their paths.
 const CHOICE_STREAM: u32 = 0x1b87_3593;
 
-/// A path on its way into the reservoir.
-struct Kept {
+/// A path that may enter the reservoir.
+struct ReservoirEntry {
     key: f64,
-    /// Pixel, sample and place in the sample, which tell equal keys apart.
+    /// Pixel, sample and index in the sample, which distinguish equal keys.
     order: [u32; 3],
     path: RecordedPath,
 }
 
-impl PartialEq for Kept {
+impl PartialEq for ReservoirEntry {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Kept {}
+impl Eq for ReservoirEntry {}
 
-impl PartialOrd for Kept {
+impl PartialOrd for ReservoirEntry {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Kept {
+impl Ord for ReservoirEntry {
     fn cmp(&self, other: &Self) -> Ordering {
         let keys = self.key.total_cmp(&other.key);
         keys.then_with(|| self.order.cmp(&other.order))
@@ -56,7 +56,7 @@ impl Ord for Kept {
 /// The paths with the least keys.
 #[derive(Default)]
 struct Reservoir {
-    kept: BinaryHeap<Kept>,
+    kept: BinaryHeap<ReservoirEntry>,
     found: u64,
     luminance: f64,
 }
@@ -74,7 +74,7 @@ impl Reservoir {
             return;
         }
         let path = path();
-        self.kept.push(Kept { key, order, path });
+        self.kept.push(ReservoirEntry { key, order, path });
         if self.kept.len() > most {
             self.kept.pop();
         }
@@ -184,7 +184,7 @@ pub fn record<T: Traverse + Sync>(
         false => 0.0,
     };
     kept.sort_unstable_by_key(|kept| kept.order);
-    let weighted = |kept: Kept| RecordedPath {
+    let weighted = |kept: ReservoirEntry| RecordedPath {
         weight: kept.path.weight.max(least as f32),
         ..kept.path
     };

@@ -44,7 +44,7 @@ impl Probe {
 
     /// On the surface that the middle of a pixel of the whole film sees; none if it sees none.
     pub fn of_pixel<T: Traverse>(view: &SceneView<'_, T>, pixel: [u32; 2]) -> Option<Probe> {
-        let seen = camera_ray(&view.tables, &mut Middle, pixel);
+        let seen = camera_ray(&view.tables, &mut CenterSampler, pixel);
         let hit = view.traverse.closest_hit(&seen.ray);
         if !hit.is_hit() {
             return None;
@@ -66,9 +66,9 @@ impl Probe {
 }
 
 /// Numbers that choose the middle of everything.
-struct Middle;
+struct CenterSampler;
 
-impl Sampler for Middle {
+impl Sampler for CenterSampler {
     fn next_1d(&mut self) -> f32 {
         0.5
     }
@@ -137,7 +137,7 @@ impl SphericalPlot {
         plot
     }
 
-    /// The direction at a place in a cell, in the probe's frame.
+    /// The direction at a position in a cell, in the probe's frame.
     pub fn direction(&self, cell: usize, [u, v]: [f64; 2]) -> DVec3 {
         let [rows, columns] = self.size;
         let row = (cell / columns) as f64 + u;
@@ -192,7 +192,7 @@ impl SphericalPlot {
             let corners = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
             let corners = corners.map(|at| {
                 let value = self.smooth(cell, at);
-                place(self.direction(cell, at) * scale.place(value))
+                place(self.direction(cell, at) * scale.position(value))
             });
             let color = scale.color(luminance(self.radiance[cell]));
             raster.fill([corners[0], corners[1], corners[2]], color);

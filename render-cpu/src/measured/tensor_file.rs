@@ -2,7 +2,7 @@
 //!
 //! Little endian: the text `tensor_file` and a zero byte, two bytes of the version (1, 0), a `u32` with the number of fields; of each
 //! field the length of its name as `u16`, the name, the number of its dimensions as `u16`, a byte for the type of its numbers (1 for
-//! `u8`, 10 for `f32`; others are read as nothing), the place of its data in the file as `u64`, and its dimensions as `u64`.
+//! `u8`, 10 for `f32`; others are read as nothing), the offset of its data in the file as `u64`, and its dimensions as `u64`.
 //!
 //! Nothing is reserved before the length of the file is known to suffice.
 

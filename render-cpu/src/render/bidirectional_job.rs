@@ -1,6 +1,6 @@
 //! The samples of one tile and one layer for algorithms with light walks, on one thread.
 //!
-//! All samples of the tile are under way together: first their light walks, bounce by bounce, then their camera walks, and
+//! All samples of the tile are traced together: first their light walks, bounce by bounce, then their camera walks, and
 //! the rays of all of a kind are traced in lockstep. Segments that must be free wait until there are enough of them. What a
 //! tile gives is a function of its pixels, the sample's index and the seed.
 
@@ -287,7 +287,7 @@ impl Shadows {
         }
     }
 
-    /// Adds a contribution now if what lies in its way is not a matter of yes or no, later otherwise.
+    /// Adds a contribution now if its transmittance may lie between zero and one, after its shadow ray has been traced otherwise.
     pub fn push<T: Traverse>(
         &mut self,
         view: &SceneView<'_, T>,

@@ -8,11 +8,11 @@
 use super::backend::PassEnd;
 use super::film_tiles::{Tile, pixel, tile_samples};
 use super::first_radii::FirstRadii;
-use super::followed_samples::{Followed, FollowedSamples, Found, OwnRadii, sample_adaptive};
+use super::followed_samples::{Followed, FollowedSamples, OwnRadii, RowSamples, sample_adaptive};
 use super::layer_photons::{regularization, trace_photons};
 use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
-use super::photon_pass::{Idle, PhotonTask};
+use super::photon_pass::{PhotonTask, WorkspacePool};
 use super::photon_statistics::{PixelStatistics, update};
 use super::pilot::{PilotDensity, Pilots};
 use super::splat::SplatFilter;
@@ -54,7 +54,7 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     let (Some(density), Some(first_radii)) = (density, radii) else {
         return PassEnd::Cut;
     };
-    let idle = Idle::new();
+    let idle = WorkspacePool::new();
     for i in 0..layers {
         if i > 0 && pass.stop.is_set() {
             return PassEnd::Cut;
@@ -110,7 +110,7 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
         let keeps_regularized = film.aovs().contains(Aov::Regularization);
         let statistics = PixelStatistics::new(film);
         let is_own = settings.kind == integrator_kind::ADAPTIVE_PHOTONS;
-        let found: Option<Vec<Found>> = (0..height.div_ceil(ROWS))
+        let found: Option<Vec<RowSamples>> = (0..height.div_ceil(ROWS))
             .into_par_iter()
             .map(|band| {
                 if pass.stop.is_urgent() {
@@ -178,7 +178,7 @@ fn photons_of_layer<T: Traverse + Sync, S: LaneSampler + Send>(
     followed: Followed<'_>,
     layer: u32,
     density: PhotonDensity<'_>,
-    idle: &Idle,
+    idle: &WorkspacePool,
 ) -> Photons {
     let (view, settings) = (pass.view, pass.settings);
     let expressions = followed.division.map(|division| division.expressions);
@@ -214,7 +214,7 @@ fn add_statistics<T: Traverse + Sync, S>(
     pass: &PassContext<'_, T, S>,
     film: &mut Film,
     first: &FirstRadii,
-    found: &[Found],
+    found: &[RowSamples],
 ) {
     let (tables, settings) = (&pass.view.tables, pass.settings);
     let emitted = light_walks(tables, settings);
@@ -237,7 +237,7 @@ fn add_layer<T: Traverse + Sync, S: LaneSampler>(
     layer: u32,
     film: &mut Film,
     filter: &SplatFilter,
-    found: &[Found],
+    found: &[RowSamples],
 ) {
     let needs_surface = film.aovs().needs_surface();
     let film_has_parts = !film.parts().is_empty();

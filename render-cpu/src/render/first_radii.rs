@@ -7,7 +7,7 @@ use super::bidirectional_job::TileSamples;
 use super::film_tiles::{Tile, tile_samples, tiles};
 use super::pass_context::PassContext;
 use super::photon_job::Radii;
-use super::photon_pass::{Idle, PhotonTask};
+use super::photon_pass::{PhotonTask, WorkspacePool};
 use crate::film::Film;
 use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::sampler::LaneSampler;
@@ -47,7 +47,7 @@ impl FirstRadii {
         }
         if pilot.get().is_none() {
             let found = FirstRadii::find(pass, nearest, film)?;
-            // Nobody else sets it: a backend takes one pass at a time.
+            // There is one writer: a backend takes one pass at a time.
             let _ = pilot.set(found);
         }
         Some(pilot.get())
@@ -59,7 +59,7 @@ impl FirstRadii {
         film: &Film,
     ) -> Option<FirstRadii> {
         let (view, settings, stop) = (pass.view, pass.settings, pass.stop);
-        let (seed, idle) = (pass.options.seed ^ PILOT_STREAM, Idle::new());
+        let (seed, idle) = (pass.options.seed ^ PILOT_STREAM, WorkspacePool::new());
         let algorithm = Progressive::new(&view.tables, settings);
         let emitted = light_walks(&view.tables, settings);
         let task = PhotonTask {

@@ -38,7 +38,7 @@ pub(super) struct Followed<'a> {
 }
 
 /// What some rows gave: for the image and for each part the radiance of their pixels, and splats.
-pub(super) struct Found {
+pub(super) struct RowSamples {
     pub radiance: Vec<Vec<Rgb>>,
     pub splats: Vec<Vec<Splat>>,
     /// Of adaptive photon mapping: what is new in the statistics of each pixel.
@@ -91,11 +91,11 @@ impl<T: Traverse> FollowedSamples<'_, T> {
         &self,
         radii: &OwnRadii,
         samples: &mut [TileSample<S>],
-    ) -> Found {
+    ) -> RowSamples {
         let (view, settings, followed) = (self.view, self.settings, self.followed);
         let (first, count) = followed.division.map_or((0, 0), |d| (d.first, d.count));
         let images = 1 + count;
-        let mut found = Found {
+        let mut found = RowSamples {
             radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
             splats: vec![Vec::new(); images],
             statistics: Vec::new(),
@@ -241,9 +241,9 @@ pub(super) fn sample_adaptive<T: Traverse, S: LaneSampler>(
     photons: Option<&AdaptivePhotons<'_>>,
     keeps_regularized: bool,
     samples: &mut [TileSample<S>],
-) -> Found {
+) -> RowSamples {
     let images = 1 + usize::from(keeps_regularized);
-    let mut found = Found {
+    let mut found = RowSamples {
         radiance: vec![vec![Vec3::ZERO; samples.len()]; images],
         splats: vec![Vec::new(); images],
         statistics: Vec::new(),

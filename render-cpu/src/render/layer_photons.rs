@@ -2,7 +2,7 @@
 
 use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
-use super::photon_pass::{Idle, PhotonTask};
+use super::photon_pass::{PhotonTask, WorkspacePool};
 use halflight_kernel::path::retarget_states::Edits;
 use halflight_kernel::path::{PathExpressions, PhotonDensity};
 use halflight_kernel::regularize::settings::Regularization;
@@ -30,7 +30,7 @@ pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     density: PhotonDensity<'_>,
     expressions: Option<PathExpressions<'_>>,
     edits: Option<Edits<'_>>,
-    idle: &Idle,
+    idle: &WorkspacePool,
 ) -> Option<SortedPhotons> {
     let (view, settings) = (pass.view, pass.settings);
     let emitted = light_walks(&view.tables, settings);

@@ -1,4 +1,4 @@
-//! Walks that are under way together on one thread: their rays are traced in lockstep, bounce by bounce.
+//! Walks of one thread whose rays are traced in lockstep, bounce by bounce.
 
 use halflight_kernel::path::Walk;
 use halflight_kernel::path::rules::step;

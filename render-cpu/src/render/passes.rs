@@ -11,7 +11,7 @@ use super::first_radii::FirstRadii;
 use super::pass_context::PassContext;
 use super::photon_cache::{PhotonList, SortedPhotons};
 use super::photon_job::Radii;
-use super::photon_pass::{Idle, PhotonTask};
+use super::photon_pass::{PhotonTask, WorkspacePool};
 use super::photon_statistics::{PixelStatistics, update};
 use super::surface_sample::surface_sample;
 use crate::film::Film;
@@ -42,7 +42,7 @@ pub fn render_passes<T: Traverse + Sync, S: LaneSampler + Send>(
     passes: u32,
     pilot: &OnceLock<FirstRadii>,
 ) -> PassEnd {
-    let idle = Idle::new();
+    let idle = WorkspacePool::new();
     let found = FirstRadii::of_run(pilot, context, film);
     let Some(first) = found else {
         return PassEnd::Cut;
@@ -70,7 +70,7 @@ struct Pass<'a, T: Traverse, S> {
     context: &'a PassContext<'a, T, S>,
     index: u32,
     first: Option<&'a FirstRadii>,
-    idle: &'a Idle,
+    idle: &'a WorkspacePool,
 }
 
 impl<T: Traverse + Sync, S: LaneSampler + Send> Pass<'_, T, S> {

@@ -149,7 +149,7 @@ pub struct SortedPhotons {
 
 /// A piece of the photons, sorted by their leading bits.
 struct Piece {
-    /// Key and place in the piece of each, packed.
+    /// Key and index in the piece of each, packed.
     keys: Vec<u64>,
     /// Where each bucket begins.
     starts: Vec<u32>,

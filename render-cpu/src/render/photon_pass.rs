@@ -17,12 +17,12 @@ use std::sync::{Mutex, PoisonError};
 const PHOTON_STREAM: u32 = 0x51ed_270b;
 
 /// Workspaces that no thread uses.
-pub(super) struct Idle(Mutex<Vec<PhotonWorkspace>>);
+pub(super) struct WorkspacePool(Mutex<Vec<PhotonWorkspace>>);
 
-impl Idle {
+impl WorkspacePool {
     /// None yet.
-    pub fn new() -> Idle {
-        Idle(Mutex::new(Vec::new()))
+    pub fn new() -> WorkspacePool {
+        WorkspacePool(Mutex::new(Vec::new()))
     }
 
     /// Calls `work` with one of them.
@@ -61,7 +61,7 @@ impl<T: Traverse + Sync> PhotonTask<'_, T> {
     /// well-spread points spreads the photons of a pass.
     pub fn trace<S: LaneSampler + Send>(
         &self,
-        idle: &Idle,
+        idle: &WorkspacePool,
         stop: &Stop<'_>,
         new: &(impl Fn(u32, u32, u32) -> S + Sync),
     ) -> Option<SortedPhotons> {

@@ -7,7 +7,7 @@
 use super::first_radii::FirstRadii;
 use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
-use super::photon_pass::{Idle, PhotonTask};
+use super::photon_pass::{PhotonTask, WorkspacePool};
 use halflight_kernel::path::PhotonDensity;
 use halflight_kernel::path::photon_density::entry_of;
 use halflight_kernel::sampler::LaneSampler;
@@ -62,7 +62,7 @@ impl PilotDensity {
         }
         if pilot.get().is_none() {
             let counted = PilotDensity::trace(pass)?;
-            // Nobody else sets it: a backend takes one pass at a time.
+            // There is one writer: a backend takes one pass at a time.
             let _ = pilot.set(counted);
         }
         pilot.get().map(PilotDensity::view)
@@ -85,7 +85,7 @@ impl PilotDensity {
             seed: pass.options.seed ^ PILOT_STREAM,
             index: 0,
         };
-        let idle = Idle::new();
+        let idle = WorkspacePool::new();
         let photons = pilot.trace(&idle, pass.stop, &pass.new_sampler)?;
         let width = RADII * first_radius(&view.tables, settings);
         Some(PilotDensity::of(&photons, emitted, width))

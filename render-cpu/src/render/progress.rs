@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// Time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Time between two looks at a pass that is under way.
+/// Time between two reports of an unfinished pass.
 const LOOK_INTERVAL: Duration = Duration::from_millis(250);
 
 /// Steps of the bar.
@@ -36,7 +36,7 @@ struct Shared {
     samples_before: u32,
     unit: u32,
     pixels: usize,
-    /// Samples of pixels that the pass under way has taken.
+    /// Samples of pixels that the unfinished pass has taken.
     taken: Arc<AtomicU64>,
     is_over: AtomicBool,
     shown: Mutex<Shown>,
@@ -149,7 +149,7 @@ impl Shared {
         self.shown.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Shows the state, with what the pass under way has taken.
+    /// Shows the state, with what the unfinished pass has taken.
     fn show(&self, shown: &mut Shown) {
         let elapsed = self.start.elapsed();
         let taken = self.taken.load(Ordering::Relaxed) as f64 / self.pixels as f64;

@@ -16,7 +16,7 @@ use halflight_kernel::transport::regularized_path::{Adaptive, RegularizedPath};
 use halflight_kernel::transport::regularized_share::RegularizedShare;
 use halflight_kernel::transport::{IntegratorSettings, camera_ray};
 
-/// A path under way.
+/// A path that has not ended.
 struct State<S> {
     path: Path,
     adaptive: Adaptive,
@@ -187,7 +187,7 @@ impl<S: LaneSampler> RegularizedPaths<S> {
 }
 
 impl Shadows {
-    /// Adds the light now if what lies in its way is not a matter of yes or no, later otherwise.
+    /// Adds the light now if its transmittance may lie between zero and one, after its shadow ray has been traced otherwise.
     fn push<T: Traverse>(
         &mut self,
         view: &SceneView<'_, T>,

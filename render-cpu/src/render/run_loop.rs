@@ -9,7 +9,7 @@
 use super::backend::{Backend, PassEnd, PassError};
 use super::options::{Goal, Outcome, RenderOptions, RunState};
 use super::stop::Stop;
-use crate::film::owed::Owed;
+use crate::film::pending_samples::PendingSamples;
 use crate::film::{Film, adaptive};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -90,13 +90,13 @@ pub fn render_with(
         if stop.load(Ordering::Relaxed) {
             return Ok(Outcome::Interrupted);
         }
-        let owed = film.owed_mut().take();
-        let is_rest = owed.is_some();
-        let (per_pixel, counts) = match owed {
-            Some(owed) if options.adaptive => (owed.per_pixel, Some(owed.counts)),
-            Some(owed) => {
-                let owed = owed.up_to(left);
-                (owed.per_pixel, Some(owed.counts))
+        let pending = film.pending_mut().take();
+        let is_rest = pending.is_some();
+        let (per_pixel, counts) = match pending {
+            Some(pending) if options.adaptive => (pending.per_pixel, Some(pending.counts)),
+            Some(pending) => {
+                let pending = pending.up_to(left);
+                (pending.per_pixel, Some(pending.counts))
             }
             None if options.adaptive => {
                 // Where adaptive passes begin decides the image, so their size may not depend on the clock.
@@ -122,13 +122,13 @@ pub fn render_with(
         }
         match targets {
             Some(targets) if !is_complete => {
-                *film.owed_mut() = Some(rest(film, per_pixel, &targets))
+                *film.pending_mut() = Some(rest(film, per_pixel, &targets))
             }
             None if !is_complete || is_rest => {
                 let counts = film.statistics().iter().map(|p| p.count);
-                let (complete, owed) = Owed::to_equal(counts, state.samples);
+                let (complete, pending) = PendingSamples::to_equal(counts, state.samples);
                 state.samples = complete;
-                *film.owed_mut() = owed;
+                *film.pending_mut() = pending;
             }
             _ => {}
         }
@@ -158,10 +158,10 @@ fn targets(film: &Film, counts: Option<&[u32]>) -> Vec<u32> {
 }
 
 /// What an adaptive pass of `per_pixel` samples still owes.
-fn rest(film: &Film, per_pixel: u32, targets: &[u32]) -> Owed {
+fn rest(film: &Film, per_pixel: u32, targets: &[u32]) -> PendingSamples {
     let taken = film.statistics().iter().map(|p| p.count);
     let counts = targets.iter().zip(taken);
-    Owed {
+    PendingSamples {
         per_pixel,
         counts: counts.map(|(a, b)| a.saturating_sub(b)).collect(),
     }

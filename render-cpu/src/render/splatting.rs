@@ -13,7 +13,7 @@ use super::film_tiles::{Tile, pixel, tile_samples, tiles};
 use super::layer_photons::{regularization, trace_photons};
 use super::pass_context::PassContext;
 use super::photon_cache::SortedPhotons;
-use super::photon_pass::Idle;
+use super::photon_pass::WorkspacePool;
 use super::pilot::PilotDensity;
 use super::splat::{Splat, SplatFilter};
 use super::surface_sample::surface_sample;
@@ -58,7 +58,7 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
     let Some(density) = density else {
         return PassEnd::Cut;
     };
-    let idle_tracers = Idle::new();
+    let idle_tracers = WorkspacePool::new();
     let filter = SplatFilter::new(&view.tables.camera);
     let idle = Mutex::new(Vec::new());
     let keeps_regularized = film.aovs().contains(Aov::Regularization);

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// How long samples that would be lost if a pass ended may go on after the time is over.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Somebody's request to stop, and the time when a run is over.
+/// A request to stop, and the time when a run is over.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop<'a> {
     request: Option<&'a AtomicBool>,

@@ -54,7 +54,7 @@ impl StrategyPyramid {
         (1..=self.length).map(|k| self.columns(k)).sum()
     }
 
-    /// Place of a strategy among all, row by row.
+    /// Index of a strategy among all, row by row.
     pub fn index(&self, s: u32, t: u32) -> Option<usize> {
         let k = (s + t).checked_sub(1)?;
         let is_there = (1..=self.length).contains(&k) && s < self.columns(k);
@@ -119,7 +119,7 @@ impl Backend for StrategyBackend<'_> {
 
 /// What one strategy found in some rows.
 #[derive(Clone, Default)]
-struct Found {
+struct StrategySamples {
     /// Index of the pixel in the image, and what its own sample found.
     own: Vec<(u32, Rgb)>,
     splats: Vec<Splat>,
@@ -137,7 +137,7 @@ impl StrategyBackend<'_> {
         let [width, height] = camera.crop_size;
         let first = self.options.first_sample;
         let layer = first.wrapping_add(film.pixel(0, 0).count);
-        let results: Vec<Vec<Found>> = (0..height.div_ceil(ROWS))
+        let results: Vec<Vec<StrategySamples>> = (0..height.div_ceil(ROWS))
             .into_par_iter()
             .map(|band| {
                 let tile = Tile {
@@ -180,10 +180,10 @@ impl StrategyBackend<'_> {
         view: &SceneView<'_, T>,
         samples: Vec<super::bidirectional_job::TileSample<S>>,
         first: u32,
-    ) -> Vec<Found> {
+    ) -> Vec<StrategySamples> {
         let mut settings = self.scene.settings;
         settings.rules.max_depth = self.pyramid.length;
-        let mut found = vec![Found::default(); self.pyramid.count() as usize];
+        let mut found = vec![StrategySamples::default(); self.pyramid.count() as usize];
         let mut vertices = Vertices::default();
         for (pixel, mut sample) in (first..).zip(samples) {
             let seen = camera_ray(&view.tables, &mut sample.camera, sample.pixel);

@@ -24,7 +24,7 @@ use halflight_kernel::transport::{self, IntegratorSettings, integrator_kind, ret
 
 /// Slots for paths side by side: enough for whole vectors of every class, few enough that their state stays in the second
 /// cache. A row of them takes an odd number of cache lines, so that the same slot of many rows does not compete for the same
-/// places of the first cache (a tenth of the time of cornell-box at 1024).
+/// sets of the first cache (a tenth of the time of cornell-box at 1024).
 pub const SLOTS: usize = 97 * 16;
 
 /// Samples of a pixel that are taken one by one between two looks at whether to stop.
@@ -50,7 +50,7 @@ pub struct TileJob<'a, T: Traverse> {
     pub simd: SimdLevel,
 }
 
-/// Samples of a pixel that are under way.
+/// Samples of a pixel that are being traced.
 #[derive(Clone, Copy)]
 struct Run {
     x: u32,

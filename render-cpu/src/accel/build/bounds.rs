@@ -3,7 +3,7 @@
 //! Boxes are made once, as the leaves that the builder takes over, and are not kept beside its tree: a build touches memory
 //! that is then given back, and touching it costs as much as the work on it.
 
-use super::pairs::Partners;
+use super::pairs::TrianglePairs;
 use glam::{Vec3, Vec3A};
 use halflight_kernel::math::affine::{transform_magnitude, transform_point, translation};
 use halflight_kernel::math::vec3;
@@ -33,7 +33,7 @@ pub struct PrimitiveBounds {
     /// Triangles, the number of triangles plus quadrics, or the number of both plus instances. Of pairs the first.
     pub primitives: Vec<u32>,
     /// The others.
-    pub partners: Partners,
+    pub partners: TrianglePairs,
     /// Their boxes: a leaf each, with the index into `primitives`.
     pub leaves: Vec<Bvh2Node>,
     /// Primitives without a usable box.
@@ -52,7 +52,7 @@ impl PrimitiveBounds {
     }
 
     /// Makes the leaves of triangles, whose numbers begin with `first`, those of pairs, and leaves out what has no usable box.
-    fn close_up(&mut self, first: u32) {
+    fn compact(&mut self, first: u32) {
         self.primitives.reserve(self.leaves.len());
         let mut kept = 0;
         for index in 0..self.leaves.len() {
@@ -136,9 +136,9 @@ fn bounds(
     triangles.map(leaf).collect_into_vec(&mut found.leaves);
     if in_pairs {
         let triangles = &tables.triangles[first as usize..range.triangles.end as usize];
-        found.partners = Partners::new(triangles, &found.leaves, first);
+        found.partners = TrianglePairs::new(triangles, &found.leaves, first);
     }
-    found.close_up(first);
+    found.compact(first);
     let quadric_start = tables.triangles.len() as u32;
     for index in range.quadrics.clone() {
         let quadric = &tables.quadrics[index as usize];
@@ -165,7 +165,7 @@ fn transform_bounds(to_world: &[f32; 12], bounds: &Aabb) -> Aabb {
     let image = transform_point(to_world, center.into());
     let reach = transform_magnitude(to_world, half.into());
     let magnitude = transform_magnitude(to_world, center.into()) + translation(to_world).abs();
-    grown(image, reach, magnitude)
+    enlarged(image, reach, magnitude)
 }
 
 /// The exact box of a quadric: under p -> A p + c the extent along an axis with row a of A is |a| for the sphere,
@@ -182,11 +182,11 @@ fn quadric_bounds(quadric: &Quadric) -> Aabb {
         _ => (along * 0.5, round + along.abs() * 0.5),
     };
     let magnitude = transform_magnitude(m, Vec3::ONE) + translation(m).abs();
-    grown(center + translation(m), reach, magnitude)
+    enlarged(center + translation(m), reach, magnitude)
 }
 
-/// The box center +- reach, grown by a few roundings of `magnitude`; NaN where anything is NaN.
-fn grown(center: Vec3, reach: Vec3, magnitude: Vec3) -> Aabb {
+/// The box center +- reach, enlarged by a few roundings of `magnitude`; NaN where anything is NaN.
+fn enlarged(center: Vec3, reach: Vec3, magnitude: Vec3) -> Aabb {
     let reach = reach + magnitude * 1e-6;
     if (center + reach).is_nan() {
         return Aabb::new(Vec3A::NAN, Vec3A::NAN);

@@ -14,7 +14,7 @@
 //! bytes, and both walks are shared by all threads. Invariants (tests): the nodes are those of obvhs, to the bit, and the
 //! same for any number of threads.
 //!
-//! In one place they may differ: the step of the grid is found by its bits rather than by logarithms, whose rounding can
+//! In one point they may differ: the step of the grid is found by its bits rather than by logarithms, whose rounding can
 //! make it half of what the box needs.
 
 use super::slots::Children;
@@ -64,13 +64,13 @@ pub fn collapse(tree: &Bvh2, primitive_cost: f32, max_depth: usize) -> Option<Wi
         },
         choices: tree.nodes.iter().map(|_| AtomicU32::new(0)).collect(),
     };
-    let root = plan.price(0, 1);
+    let root = plan.subtree_cost(0, 1);
     (root.depth <= plan.max_depth).then(|| plan.wide_tree())
 }
 
 /// What a subtree costs.
 #[derive(Clone, Copy)]
-struct Price {
+struct SubtreeCost {
     /// In at most 1, 2, ... 7 slots.
     costs: [f32; 7],
     primitives: u32,
@@ -96,27 +96,27 @@ struct Plan<'a> {
 
 impl Plan<'_> {
     /// Chooses for the subtree at `index`, which is node number `level` from the root on.
-    fn price(&self, index: usize, level: u32) -> Price {
+    fn subtree_cost(&self, index: usize, level: u32) -> SubtreeCost {
         let node = &self.tree.nodes[index];
         let area = node.aabb().half_area();
         if node.is_leaf() {
             self.choices[index].store(IS_LEAF, Ordering::Relaxed);
-            return Price {
+            return SubtreeCost {
                 costs: [area * self.primitive_cost; 7],
                 primitives: 1,
                 depth: 1,
             };
         }
         if level >= self.max_depth {
-            return Price {
+            return SubtreeCost {
                 costs: [0.0; 7],
                 primitives: 0,
                 depth: self.max_depth + 1,
             };
         }
         let first = node.first_index as usize;
-        let left = || self.price(first, level + 1);
-        let right = || self.price(first + 1, level + 1);
+        let left = || self.subtree_cost(first, level + 1);
+        let right = || self.subtree_cost(first + 1, level + 1);
         let (left, right) = if level < self.shared_levels {
             rayon::join(left, right)
         } else {
@@ -155,7 +155,7 @@ impl Plan<'_> {
             choice |= best << (4 * i);
         }
         self.choices[index].store(choice, Ordering::Relaxed);
-        Price {
+        SubtreeCost {
             costs,
             primitives,
             depth: (1 + left.depth.max(right.depth)).min(self.max_depth + 1),
@@ -173,14 +173,14 @@ impl Plan<'_> {
             children.push(index);
         } else {
             let left = self.choice(index) & 7;
-            self.dissolve(index, left, 6 - left, &mut children);
+            self.append_children(index, left, 6 - left, &mut children);
         }
         children.order(&self.tree.nodes, self.tree.nodes[index as usize].aabb());
         children
     }
 
-    /// Appends the children of `index`, which have the costs of the given indices, or what they dissolve into.
-    fn dissolve(&self, index: u32, left: u32, right: u32, children: &mut Children) {
+    /// Appends the children of `index`, which have the costs of the given indices, or what they append_children into.
+    fn append_children(&self, index: u32, left: u32, right: u32, children: &mut Children) {
         let first = self.tree.nodes[index as usize].first_index;
         for (child, slots) in [(first, left), (first + 1, right)] {
             // The choices for 2 to `slots` + 1 slots, of which the last that is not "fewer" counts.
@@ -190,7 +190,7 @@ impl Plan<'_> {
             } else {
                 let slots = choices.ilog2() / 4;
                 let left = (choices >> (4 * slots)) - 1;
-                self.dissolve(child, left, slots - 1 - left, children);
+                self.append_children(child, left, slots - 1 - left, children);
             }
         }
     }

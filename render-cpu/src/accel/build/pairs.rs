@@ -10,7 +10,7 @@
 use halflight_kernel::scene::{NONE, Triangle};
 use obvhs::bvh2::node::Bvh2Node;
 
-/// In [`Partners`].
+/// In [`TrianglePairs`].
 const IS_SECOND: u32 = NONE - 1;
 
 /// Most triangles at a vertex that are looked at.
@@ -18,7 +18,7 @@ const MAX_LOOKED_AT: usize = 32;
 
 /// The pairs among the triangles of a group.
 #[derive(Clone, Debug, Default)]
-pub struct Partners {
+pub struct TrianglePairs {
     /// Number of the first triangle.
     first: u32,
     /// By triangles from that on: the partner, counted from there as well, of the first of a pair, [`IS_SECOND`] for the second,
@@ -26,11 +26,11 @@ pub struct Partners {
     partners: Vec<u32>,
 }
 
-impl Partners {
+impl TrianglePairs {
     /// Pairs of triangles, whose numbers begin with `first` and whose boxes are those of the leaves. Triangles whose box is not
     /// a number stay alone.
-    pub fn new(triangles: &[Triangle], leaves: &[Bvh2Node], first: u32) -> Partners {
-        let fans = Fans::new(triangles);
+    pub fn new(triangles: &[Triangle], leaves: &[Bvh2Node], first: u32) -> TrianglePairs {
+        let fans = VertexTriangles::new(triangles);
         let mut partners = vec![NONE; triangles.len()];
         for (i, triangle) in triangles.iter().enumerate() {
             if partners[i] != NONE {
@@ -57,7 +57,7 @@ impl Partners {
                 partners[best as usize] = IS_SECOND;
             }
         }
-        Partners { first, partners }
+        TrianglePairs { first, partners }
     }
 
     /// The second triangle of the pair of which a primitive is the first, or [`NONE`].
@@ -92,7 +92,7 @@ pub fn shared_edge(a: [u32; 3], b: [u32; 3]) -> Option<(usize, usize)> {
 }
 
 /// The triangles at each vertex.
-struct Fans {
+struct VertexTriangles {
     /// The least number of a vertex.
     lowest: u32,
     /// Where in `triangles` those of each vertex begin, and the end.
@@ -100,8 +100,8 @@ struct Fans {
     triangles: Vec<u32>,
 }
 
-impl Fans {
-    fn new(triangles: &[Triangle]) -> Fans {
+impl VertexTriangles {
+    fn new(triangles: &[Triangle]) -> VertexTriangles {
         let vertices = || triangles.iter().flat_map(|triangle| triangle.vertices);
         let (mut lowest, mut highest) = (u32::MAX, 0);
         for v in vertices() {
@@ -109,7 +109,7 @@ impl Fans {
             highest = highest.max(v);
         }
         let count = (highest as usize + 1).saturating_sub(lowest as usize);
-        // Counted two places on, moved to where the next one is to be filled in, which ends where it begins.
+        // Counted two indices on, moved to where the next one is to be filled in, which ends where it begins.
         let mut starts = vec![0; count + 2];
         for v in vertices() {
             starts[(v - lowest) as usize + 2] += 1;
@@ -123,7 +123,7 @@ impl Fans {
             list[*next as usize] = i as u32 / 3;
             *next += 1;
         }
-        Fans {
+        VertexTriangles {
             lowest,
             starts,
             triangles: list,

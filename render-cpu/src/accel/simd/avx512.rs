@@ -287,7 +287,7 @@ impl W16 {
         W16(unsafe { _mm512_slli_epi32::<PLACES>(self.0) })
     }
 
-    /// Shifted to the left, each lane by its own number of places.
+    /// Shifted to the left, each lane by its own number of bits.
     #[inline(always)]
     pub fn shl_by(self, places: W16) -> W16 {
         // SAFETY: see the module.

@@ -56,7 +56,7 @@ pub struct Sheared<F> {
 
 /// What the rays pass through among the triangles of leaf entries.
 #[derive(Clone, Copy)]
-struct Passing<F: SimdFloat> {
+struct CrossedTriangles<F: SimdFloat> {
     /// Lanes that pass through the first triangle.
     first: F::Mask,
     /// Lanes that pass through the second one.
@@ -146,7 +146,7 @@ fn pass<F: SimdFloat>(
     vertices: &[[F; 3]; 4],
     mask: F::Mask,
     pairs: F::Mask,
-) -> Passing<F> {
+) -> CrossedTriangles<F> {
     let a = permuted_vertex(rays, vertices[0]);
     let b = permuted_vertex(rays, vertices[1]);
     let c = permuted_vertex(rays, vertices[2]);
@@ -166,7 +166,7 @@ fn pass<F: SimdFloat>(
         through_first = through_first | have_no_opposite_signs(first, zero_first);
         through_second = through_second | have_no_opposite_signs(second, zero_second);
     }
-    Passing {
+    CrossedTriangles {
         first: through_first,
         second: through_second,
         edges: [first, second],
@@ -179,7 +179,7 @@ fn pass<F: SimdFloat>(
 fn hits<F: SimdFloat>(
     rays: &ShearedRays<F>,
     vertices: &[[F; 3]; 4],
-    passing: &Passing<F>,
+    passing: &CrossedTriangles<F>,
     rotations: F::Word,
     seconds: F::Mask,
     mask: F::Mask,

@@ -15,7 +15,7 @@ use halflight_kernel::scene::traverse::REACH;
 use halflight_kernel::scene::{Hit, Tables};
 use std::mem::MaybeUninit;
 
-/// Nodes that wait: of each node on the way down at most seven children, and all eight of the last.
+/// Nodes on the stack: at most seven children of each node down to the current one, and all eight of that.
 const STACK_SIZE: usize = 7 * MAX_WIDE_DEPTH + 1;
 
 /// What rays go through: trees, the world's first, and the tables that they were built over.

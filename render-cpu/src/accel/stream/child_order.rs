@@ -2,7 +2,7 @@
 //!
 //! A word describes what a ray has met of a node's children: the entries of its leaves in the lower 24 bits and the children
 //! that are nodes above. Child slots are filled so that the signs of a direction alone decide the order of the slots
-//! ([`crate::accel::build::slots`]): slot s comes in place s ^ order of eight.
+//! ([`crate::accel::build::slots`]): slot s comes at position s ^ order of eight.
 
 use crate::accel::simd::SimdWord;
 use crate::accel::simd::avx512::{W16, with_avx512};
@@ -18,7 +18,7 @@ pub const FIRST_CHILD: u32 = 1 << CHILDREN;
 const NODE_WORDS: u32 = 20;
 
 with_avx512! {
-    /// What slots are exchanged with for their places in the order of each direction: the first has the highest bit.
+    /// The exclusive-or mask by which slots are ordered for each direction: the first has the highest bit.
     #[inline]
     pub fn orders(negative: [u16; 3]) -> W16 {
         let mut order = W16::splat(7);

@@ -34,7 +34,7 @@ const MIN_OCCUPANCY: f32 = 5.0;
 struct Walks {
     rays: RayLanes,
     queue: LeafQueue,
-    /// What slots are exchanged with for their places in the order of a direction, see [`super::child_order`].
+    /// The exclusive-or mask by which slots are ordered for a direction, see [`super::child_order`].
     order: WordRow,
     /// First word of the node that comes next.
     node: WordRow,

@@ -1,13 +1,13 @@
 //! Ray streams: many rays at a time through the trees, sixteen in lanes, on processors with AVX-512.
 //!
 //! A single ray's walk waits: for a node, for the result of its test, for a guess about what comes next that was wrong. A
-//! stream has other rays to go on with meanwhile. [`trace`] is the only way in; it finds the hits of single rays
+//! stream has other rays to go on with meanwhile. [`trace`] is the only entry point; it finds the hits of single rays
 //! ([`super::single`]) to the bit, because which hit comes first does not depend on the order of a walk
 //! ([`halflight_kernel::scene::Traverse::closest_hit`]).
 //!
 //! # The story
 //! 1. [`root`] begins all rays of the stream: every one meets the same node first, the root, whose planes are constants then.
-//!    What a ray brings to every later test (the inverse of its direction, its shear) is prepared on the way.
+//!    What a ray brings to every later test (the inverse of its direction, its shear) is prepared once.
 //! 2. Sixteen rays in a row that start and point alike, as those of a pixel's samples do, are a *packet* ([`packet`]): they
 //!    go through the tree together, and whatever they test is the same for all of them.
 //! 3. Other rays walk in *lockstep* ([`lockstep`]): each at its own node, sixteen at a step, without a branch on what they

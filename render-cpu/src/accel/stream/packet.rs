@@ -25,7 +25,7 @@ const DIRECTION_SPREAD: f32 = 0.01;
 /// By how much of the tree's extent an origin may.
 const ORIGIN_SPREAD: f32 = 0.01;
 
-/// Nodes that wait: of each node on the way down at most seven children, and all eight of the last.
+/// Nodes on the stack: at most seven children of each node down to the current one, and all eight of that.
 const STACK_SIZE: usize = 7 * MAX_WIDE_DEPTH + 1;
 
 with_avx512! {
@@ -109,7 +109,7 @@ with_avx512! {
         stack[0].write((0, u16::MAX));
         let mut size = 1;
         let mut alive = u16::MAX;
-        // What slots are exchanged with for their places in the order, of which the last comes first.
+        // The exclusive-or mask by which slots are ordered, of which the last comes first.
         let order = (0..3).fold(7, |order, k| {
             order ^ (usize::from(rays.negative[k] & 1) << (2 - k))
         });

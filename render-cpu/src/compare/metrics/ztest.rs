@@ -5,7 +5,7 @@
 //! `z = (a - b) / sqrt(V_a + V_b + (floor * magnitude)^2)`,
 //!
 //! and four levels are tested: single pixels, means of 8 x 8 blocks, of 32 x 32 blocks, and of the whole image. Pixels
-//! find what is wrong in one place, blocks find small differences over an area, down to a fraction of a percent for the
+//! find what is wrong in single pixels, blocks find small differences over an area, down to a fraction of a percent for the
 //! whole image. The false-alarm rate alpha is split by Sidak's formula, first over the levels, 1 - (1 - alpha)^(1/4),
 //! then over the tests of a level. Tests of one level are positively dependent, which makes Sidak's bound conservative.
 //!

@@ -67,7 +67,7 @@ impl Reference {
 
 /// What an image is measured by.
 #[derive(Clone, Copy, Debug)]
-pub enum Yardstick<'a> {
+pub enum ErrorReference<'a> {
     /// A reference.
     Reference(&'a Reference),
     /// An independent image by the same algorithm after the same time.
@@ -94,16 +94,16 @@ impl Errors {
     ///
     /// # Panics
     /// If the sizes differ.
-    pub fn new(image: &RgbImage, variance: &[[f64; 3]], yardstick: Yardstick<'_>) -> Errors {
-        let squares = relative_squares(image, yardstick);
+    pub fn new(image: &RgbImage, variance: &[[f64; 3]], reference: ErrorReference<'_>) -> Errors {
+        let squares = relative_squares(image, reference);
         let (relative_mse, trimmed) = (mean(&squares), trimmed_mean(squares, TRIMMED_SHARE));
-        let (residual_rms, reference_variance, sigma) = match yardstick {
-            Yardstick::Reference(reference) => (
+        let (residual_rms, reference_variance, sigma) = match reference {
+            ErrorReference::Reference(reference) => (
                 residual_rms(image, &reference.image),
                 reference.relative_variance,
                 relative_mean(variance, &reference.image),
             ),
-            Yardstick::Twin(twin) => (
+            ErrorReference::Twin(twin) => (
                 residual_rms(image, twin) * FRAC_1_SQRT_2,
                 None,
                 relative_mean(variance, &mean_of(image, twin)),
@@ -135,10 +135,10 @@ impl ShownErrors {
     ///
     /// # Panics
     /// If the sizes differ.
-    pub fn new(image: &RgbImage, yardstick: Yardstick<'_>) -> ShownErrors {
-        let other = match yardstick {
-            Yardstick::Reference(reference) => &reference.image,
-            Yardstick::Twin(twin) => twin,
+    pub fn new(image: &RgbImage, reference: ErrorReference<'_>) -> ShownErrors {
+        let other = match reference {
+            ErrorReference::Reference(reference) => &reference.image,
+            ErrorReference::Twin(twin) => twin,
         };
         ShownErrors {
             cie76: cie76(image, other),
@@ -149,18 +149,18 @@ impl ShownErrors {
 }
 
 /// Relative squared error of every pixel, the mean of its channels.
-pub fn relative_squares(image: &RgbImage, yardstick: Yardstick<'_>) -> Vec<f64> {
+pub fn relative_squares(image: &RgbImage, reference: ErrorReference<'_>) -> Vec<f64> {
     let squares = |other: &RgbImage, scale: f64| -> Vec<[f64; 3]> {
         let pixels = image.pixels.iter().zip(&other.pixels);
         pixels
             .map(|(a, b)| [0, 1, 2].map(|c| scale * (a[c] - b[c]).powi(2)))
             .collect()
     };
-    match yardstick {
-        Yardstick::Reference(reference) => {
+    match reference {
+        ErrorReference::Reference(reference) => {
             relative(&squares(&reference.image, 1.0), &reference.image)
         }
-        Yardstick::Twin(twin) => relative(&squares(twin, 0.5), &mean_of(image, twin)),
+        ErrorReference::Twin(twin) => relative(&squares(twin, 0.5), &mean_of(image, twin)),
     }
 }
 

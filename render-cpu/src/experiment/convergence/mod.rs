@@ -12,7 +12,7 @@ pub mod race;
 pub mod report;
 pub mod sheet;
 
-use errors::{Errors, Reference, ShownErrors, Yardstick};
+use errors::{ErrorReference, Errors, Reference, ShownErrors};
 use race::{Budget, Runner, race};
 
 use crate::accel::Accel;
@@ -119,8 +119,8 @@ pub fn run(
                     curve.push(Point {
                         seconds: first.seconds,
                         samples: first.samples(),
-                        errors: with_yardstick(runs, reference, |image, yardstick| {
-                            Errors::new(image, &first.film.variance_of_mean(), yardstick)
+                        errors: with_error_reference(runs, reference, |image, reference| {
+                            Errors::new(image, &first.film.variance_of_mean(), reference)
                         }),
                     });
                 }
@@ -131,9 +131,9 @@ pub fn run(
     let finished = runners.chunks(runs as usize).zip(curves);
     Ok(finished
         .map(|(runs, curve)| {
-            let (shown, error_map) = with_yardstick(runs, reference, |image, yardstick| {
-                let map = errors::relative_squares(image, yardstick);
-                (ShownErrors::new(image, yardstick), map)
+            let (shown, error_map) = with_error_reference(runs, reference, |image, reference| {
+                let map = errors::relative_squares(image, reference);
+                (ShownErrors::new(image, reference), map)
             });
             Outcome {
                 name: runs[0].name.clone(),
@@ -147,15 +147,15 @@ pub fn run(
 }
 
 /// Calls a function with the image of the first run and the image that it is measured against.
-fn with_yardstick<R>(
+fn with_error_reference<R>(
     runs: &[Runner],
     reference: Option<&Reference>,
-    measure: impl FnOnce(&RgbImage, Yardstick<'_>) -> R,
+    measure: impl FnOnce(&RgbImage, ErrorReference<'_>) -> R,
 ) -> R {
     let first = image(&runs[0].film);
     match (reference, runs.get(1)) {
-        (Some(reference), _) => measure(&first, Yardstick::Reference(reference)),
-        (None, Some(twin)) => measure(&first, Yardstick::Twin(&image(&twin.film))),
-        (None, None) => measure(&first, Yardstick::Twin(&first)),
+        (Some(reference), _) => measure(&first, ErrorReference::Reference(reference)),
+        (None, Some(twin)) => measure(&first, ErrorReference::Twin(&image(&twin.film))),
+        (None, None) => measure(&first, ErrorReference::Twin(&first)),
     }
 }

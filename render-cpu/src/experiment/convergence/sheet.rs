@@ -80,7 +80,7 @@ pub fn draw(columns: &[Column], insets: &[Window]) -> Result<Canvas, DrawError> 
 }
 
 /// The windows in which the algorithms differ most.
-pub fn telling_windows(outcomes: &[Outcome], [width, height]: [u32; 2]) -> Vec<Window> {
+pub fn most_different_windows(outcomes: &[Outcome], [width, height]: [u32; 2]) -> Vec<Window> {
     let side = (width.min(height) / 6).max(8).min(width.min(height));
     let step = (side / 2).max(1) as usize;
     let error = |outcome: &Outcome, x: u32, y: u32| -> f64 {

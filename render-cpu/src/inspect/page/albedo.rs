@@ -20,7 +20,7 @@ pub(super) fn of_shapes<T: Traverse>(view: &SceneView<'_, T>, mesh: &FlatMesh) -
     for [shape, first, count] in &mesh.ranges {
         let (sum, weight) = &mut sums[*shape as usize];
         if *weight > 0.0 {
-            // Another place of the same shape.
+            // Another instance of the same shape.
             continue;
         }
         for i in 0..SAMPLES.min(*count) {

@@ -17,7 +17,7 @@ pub struct FlatMesh {
     pub positions: Vec<[f32; 3]>,
     /// Triangles.
     pub indices: Vec<[u32; 3]>,
-    /// Shape, first triangle and number of triangles; a shape has one for each place where it stands.
+    /// Shape, first triangle and number of triangles; a shape has one for each of its instances.
     pub ranges: Vec<[u32; 3]>,
 }
 

@@ -39,7 +39,7 @@ pub struct Cluster {
     pub labels: Vec<String>,
     /// Number of all vertices that its paths share.
     pub shared: usize,
-    /// Its paths, as places in [`ClusterTree::order`].
+    /// Its paths, as indices into [`ClusterTree::order`].
     pub range: Range<usize>,
     /// Sum of the weights of its paths.
     pub weight: f64,

@@ -21,7 +21,7 @@ const CHUNK: u32 = 256;
 /// Mutations of a chain between two sums.
 const ROUND: u32 = 512;
 
-/// Chains that are under way together.
+/// Chains that are run together.
 const BATCH: usize = 512;
 
 /// Rows whose splats are added by one thread.
@@ -56,7 +56,7 @@ pub struct GroupImage {
 
 /// The path of a candidate.
 #[derive(Clone, Copy, Debug)]
-struct Weighed {
+struct WeightedCandidate {
     candidate: u32,
     member: u32,
     weight: f32,
@@ -94,7 +94,7 @@ pub fn run<A: ChainAlgorithm>(
     let bands = height.div_ceil(BAND) as usize;
     for (batch, starts) in starts.chunks(BATCH).enumerate() {
         let numbers = (batch * BATCH) as u32..;
-        let starts: Vec<(u32, Weighed)> = numbers.zip(starts.iter().copied()).collect();
+        let starts: Vec<(u32, WeightedCandidate)> = numbers.zip(starts.iter().copied()).collect();
         let mut tasks: Vec<Task<A::Chain>> = starts
             .into_par_iter()
             .map(|(number, start)| Task {
@@ -188,8 +188,8 @@ fn add_record(
 }
 
 /// All paths of candidates that carry light, in order.
-fn weigh<A: ChainAlgorithm>(algorithm: &A, count: u32) -> Vec<Weighed> {
-    let chunks: Vec<Vec<Weighed>> = (0..count.div_ceil(CHUNK))
+fn weigh<A: ChainAlgorithm>(algorithm: &A, count: u32) -> Vec<WeightedCandidate> {
+    let chunks: Vec<Vec<WeightedCandidate>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let mut found = Vec::new();
@@ -197,7 +197,7 @@ fn weigh<A: ChainAlgorithm>(algorithm: &A, count: u32) -> Vec<Weighed> {
                 let mut member = 0;
                 algorithm.candidate_weights(candidate, &mut |weight| {
                     if weight > 0.0 && weight.is_finite() {
-                        found.push(Weighed {
+                        found.push(WeightedCandidate {
                             candidate,
                             member,
                             weight,
@@ -213,7 +213,12 @@ fn weigh<A: ChainAlgorithm>(algorithm: &A, count: u32) -> Vec<Weighed> {
 }
 
 /// The starts of the chains.
-fn resample(candidates: &[Weighed], total: f64, chains: u32, offset: f32) -> Vec<Weighed> {
+fn resample(
+    candidates: &[WeightedCandidate],
+    total: f64,
+    chains: u32,
+    offset: f32,
+) -> Vec<WeightedCandidate> {
     let mut starts = Vec::with_capacity(chains as usize);
     let spacing = total / f64::from(chains);
     let mut below = 0.0;
@@ -240,10 +245,10 @@ mod tests {
 
     #[test]
     fn starts_are_spread_by_weight() {
-        let candidates: Vec<Weighed> = [0.5, 3.0, 0.25, 0.25]
+        let candidates: Vec<WeightedCandidate> = [0.5, 3.0, 0.25, 0.25]
             .into_iter()
             .zip(0..)
-            .map(|(weight, candidate)| Weighed {
+            .map(|(weight, candidate)| WeightedCandidate {
                 candidate,
                 member: 0,
                 weight,

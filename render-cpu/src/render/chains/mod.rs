@@ -4,7 +4,7 @@
 //! it what the group's chains splat there. So the film's statistics give the variance of the image, whatever is correlated
 //! within a group; groups are numbered by the sample's index and are functions of seed and number alone, so that checkpoints,
 //! interrupted runs, shares of an image and merges are exact as those of other algorithms, by count; a run that is killed
-//! loses the group that was under way and makes it again to the same bits.
+//! loses the unfinished group and makes it again to the same bits.
 //!
 //! A group has a fixed number of mutations per pixel, as few as make a million in all
 //! ([`halflight_kernel::transport::settings::ChainSettings::mutations_per_pixel`]): a second or so of one processor. What users

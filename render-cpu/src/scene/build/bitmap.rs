@@ -96,7 +96,7 @@ impl Builder {
             return Ok(known);
         }
         let bitmap = object
-            .kept_files()
+            .file_cache()
             .get(path, reading.variant(), || reading.load(path))
             .map_err(|e| object.property_error("filename", e.to_string()))?;
         for warning in &bitmap.warnings {

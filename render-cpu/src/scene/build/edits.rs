@@ -143,7 +143,7 @@ fn read(
         (None, Some(map)) => ("map", map),
         (None, None) => ("map", DMat4::IDENTITY),
     };
-    let matrix = settled(matrix);
+    let matrix = snapped_to_identity(matrix);
     let (map, inverse) =
         rows_and_inverse(&matrix).map_err(|e| object.property_error(name, e.to_string()))?;
     let keeps_energy = match object.get_string("keep", "radiance")? {
@@ -264,7 +264,7 @@ fn interpolated(keys: &[(f64, DMat4)], time: f64) -> DMat4 {
 }
 
 /// The identity where a map differs from it by rounding alone.
-fn settled(matrix: DMat4) -> DMat4 {
+fn snapped_to_identity(matrix: DMat4) -> DMat4 {
     let scale = 1.0 + matrix.w_axis.truncate().abs().max_element();
     if matrix.abs_diff_eq(DMat4::IDENTITY, 1e-9 * scale) {
         return DMat4::IDENTITY;

@@ -64,7 +64,7 @@ impl Reading {
         Ok(Reading { transfer, channel })
     }
 
-    /// A number that is different for each way of reading, for the key of a cache.
+    /// A number that identifies how the file is read, for the key of a cache.
     pub(super) fn variant(self) -> u64 {
         let transfer = match self.transfer {
             Transfer::OfFormat => 0,
@@ -76,7 +76,7 @@ impl Reading {
         transfer | (channel << 40)
     }
 
-    /// Reads a file in this way.
+    /// Reads a file so.
     pub(super) fn load(self, path: &std::path::Path) -> Result<Bitmap, crate::image::ImageError> {
         let raw = self.transfer != Transfer::OfFormat;
         let bitmap = match self.channel {

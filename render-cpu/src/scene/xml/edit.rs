@@ -46,7 +46,7 @@ impl ParsedScene {
         &self,
         changes: &BTreeMap<String, Value>,
     ) -> Result<ParsedScene, SceneError> {
-        self.kept_files.keep();
+        self.file_cache.keep();
         let known = self.values();
         let mut by_address = HashMap::new();
         for (name, value) in changes {
@@ -68,7 +68,7 @@ impl ParsedScene {
             root: copy.object(&self.root)?,
             files: self.files.clone(),
             diagnostics,
-            kept_files: self.kept_files.clone(),
+            file_cache: self.file_cache.clone(),
             parameters: self.parameters.clone(),
         })
     }
@@ -160,7 +160,7 @@ impl Copy<'_> {
             is_legacy: object.is_legacy,
             is_literal: object.is_literal,
             diagnostics: self.diagnostics.clone(),
-            kept_files: object.kept_files.clone(),
+            file_cache: object.file_cache.clone(),
             touched: AtomicBool::new(false),
         });
         self.done.insert(object.index, copy.clone());

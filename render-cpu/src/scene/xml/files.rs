@@ -32,7 +32,7 @@ impl Loader<'_> {
             location.column = error.pos().col;
             SceneError::File {
                 location,
-                message: format!("malformed XML: {}", message_without_place(&error)),
+                message: format!("malformed XML: {}", message_without_location(&error)),
             }
         })?;
         for (line, what) in &source.notes {
@@ -174,7 +174,7 @@ fn identity(path: &Path) -> PathBuf {
 }
 
 /// The message of the XML reader without its location, which is printed in our own form.
-fn message_without_place(error: &roxmltree::Error) -> String {
+fn message_without_location(error: &roxmltree::Error) -> String {
     if matches!(error, roxmltree::Error::NoRootNode) {
         return "there is no element in it; is it a scene file?".to_owned();
     }

@@ -75,7 +75,7 @@ impl<'a> Repairer<'a> {
         &self.text[self.at..]
     }
 
-    /// Says something about this place.
+    /// Warns of something at this position.
     fn note(&mut self, what: &'static str) {
         if self.notes.len() < MAX_NOTES {
             let line = self.text[..self.at].matches('\n').count() + 1;

@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::error::{Diagnostics, Location, SceneError, Warning};
-use super::kept_files::KeptFiles;
+use super::file_cache::FileCache;
 
 /// A scene that was read, and what was noticed meanwhile.
 #[derive(Debug)]
@@ -51,7 +51,7 @@ pub struct ParsedScene {
     /// Where warnings go; shared with every object, see [`Object::warn`].
     pub diagnostics: Arc<Diagnostics>,
     /// What was read from other files; shared with every object.
-    pub kept_files: Arc<KeptFiles>,
+    pub file_cache: Arc<FileCache>,
     /// The parameters that the scene has defaults for.
     pub parameters: Arc<[DeclaredParameter]>,
 }
@@ -117,7 +117,7 @@ pub(crate) fn parse_definitions(
     parameters.set_default("", "$");
     let origin = loader::Origin::Text(text, name);
     let document = loader::load(origin, &mut parameters, &of.diagnostics)?;
-    resolve::resolve_from(document, first_index, &of.diagnostics, &of.kept_files)
+    resolve::resolve_from(document, first_index, &of.diagnostics, &of.file_cache)
 }
 
 fn finish(
@@ -134,13 +134,13 @@ fn finish(
             "the scene has a default for this parameter and uses it nowhere",
         )?;
     }
-    let kept_files = Arc::new(KeptFiles::default());
-    let root = resolve::resolve(document, &diagnostics, &kept_files)?;
+    let file_cache = Arc::new(FileCache::default());
+    let root = resolve::resolve(document, &diagnostics, &file_cache)?;
     Ok(ParsedScene {
         root,
         files,
         diagnostics,
-        kept_files,
+        file_cache,
         parameters: parameters.declared().into(),
     })
 }

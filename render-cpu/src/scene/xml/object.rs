@@ -13,7 +13,7 @@ use glam::DMat4;
 pub use super::kind::ObjectKind;
 use super::value::{Color, Spectrum};
 use crate::scene::error::{Diagnostics, Location, SceneError, searched};
-use crate::scene::kept_files::KeptFiles;
+use crate::scene::file_cache::FileCache;
 
 /// The value of a property.
 #[derive(Clone, Debug)]
@@ -204,7 +204,7 @@ pub struct Object {
     pub is_literal: bool,
     pub(super) search_paths: Arc<[PathBuf]>,
     pub(super) diagnostics: Arc<Diagnostics>,
-    pub(super) kept_files: Arc<KeptFiles>,
+    pub(super) file_cache: Arc<FileCache>,
     pub(super) touched: AtomicBool,
 }
 
@@ -225,7 +225,7 @@ impl Object {
         self.diagnostics
             .warn(&self.location, self.element(), message)
     }
-    /// Adds a warning at a place in another file that the object is made from.
+    /// Adds a warning at a position in another file that the object is made from.
     ///
     /// # Errors
     /// The warning itself, when the scene is read strictly.
@@ -305,8 +305,8 @@ impl Object {
     }
 
     /// What was read from other files.
-    pub fn kept_files(&self) -> &KeptFiles {
-        &self.kept_files
+    pub fn file_cache(&self) -> &FileCache {
+        &self.file_cache
     }
     /// Where relative file names of this object are sought, in order.
     pub fn search_paths(&self) -> &[PathBuf] {

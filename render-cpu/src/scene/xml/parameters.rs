@@ -20,7 +20,7 @@ struct Parameter {
 pub struct DeclaredParameter {
     /// Its name.
     pub name: String,
-    /// The value that it has where nobody gives another one.
+    /// Its default value.
     pub default: String,
 }
 

@@ -10,7 +10,7 @@ use super::limits;
 use super::object::Value;
 use super::object::{Object, Properties, Property};
 use crate::scene::error::{Diagnostics, SceneError, suggestion};
-use crate::scene::kept_files::KeptFiles;
+use crate::scene::file_cache::FileCache;
 
 enum State {
     Waiting(RawObject),
@@ -24,16 +24,16 @@ struct Resolver<'a> {
     states: Vec<State>,
     by_id: std::collections::HashMap<String, usize>,
     diagnostics: &'a Arc<Diagnostics>,
-    kept_files: &'a Arc<KeptFiles>,
+    file_cache: &'a Arc<FileCache>,
 }
 
 /// The root of the tree.
 pub fn resolve(
     document: Document,
     diagnostics: &Arc<Diagnostics>,
-    kept_files: &Arc<KeptFiles>,
+    file_cache: &Arc<FileCache>,
 ) -> Result<Arc<Object>, SceneError> {
-    resolve_from(document, 0, diagnostics, kept_files)
+    resolve_from(document, 0, diagnostics, file_cache)
 }
 
 /// [`resolve`] with indices that begin at `first_index`.
@@ -41,14 +41,14 @@ pub fn resolve_from(
     document: Document,
     first_index: usize,
     diagnostics: &Arc<Diagnostics>,
-    kept_files: &Arc<KeptFiles>,
+    file_cache: &Arc<FileCache>,
 ) -> Result<Arc<Object>, SceneError> {
     let mut resolver = Resolver {
         first_index,
         states: document.objects.into_iter().map(State::Waiting).collect(),
         by_id: document.by_id,
         diagnostics,
-        kept_files,
+        file_cache,
     };
     resolver
         .object(0, 0)?
@@ -126,7 +126,7 @@ impl Resolver<'_> {
             is_literal: raw.is_literal,
             search_paths: raw.search_paths,
             diagnostics: self.diagnostics.clone(),
-            kept_files: self.kept_files.clone(),
+            file_cache: self.file_cache.clone(),
             touched: AtomicBool::new(false),
         });
         self.states[index] = State::Done(object.clone());

@@ -113,7 +113,7 @@ impl Builder {
         let path = object.require_file("filename")?;
         let wrong =
             |what: String| object.property_error("filename", format!("{}: {what}", path.display()));
-        let measured = object.kept_files().get(&path, 1, || {
+        let measured = object.file_cache().get(&path, 1, || {
             let bytes = read_file(&path, rgl::MAX_BYTES).map_err(|e| wrong(e.to_string()))?;
             Rgl::read(&bytes).map_err(|e| wrong(e.to_string()))
         })?;
@@ -127,7 +127,7 @@ impl Builder {
         let path = object.require_file("filename")?;
         let wrong =
             |what: String| object.property_error("filename", format!("{}: {what}", path.display()));
-        let measured = object.kept_files().get(&path, 0, || {
+        let measured = object.file_cache().get(&path, 0, || {
             let bytes = read_file(&path, merl::MAX_BYTES).map_err(|e| wrong(e.to_string()))?;
             Merl::read(&bytes).map_err(|e| wrong(e.to_string()))
         })?;

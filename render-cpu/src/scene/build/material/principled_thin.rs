@@ -12,7 +12,7 @@
 //! With t for `spec_trans`, d for half of `diff_trans` and s for `spec_tint`, the lobes are: the diffuse part and the sheen with the
 //! weight (1 - t)(1 - d), diffuse transmission with (1 - t) d, the reflection of a dielectric with t (1 - s), its tinted form with
 //! t s, and what passes the sheet with t. Both sides are alike. The blur of what passes has the roughness r (0.65 eta - 0.35), as
-//! light is bent back on its way out (Burley 2015).
+//! light is refracted back as it leaves (Burley 2015).
 
 use super::context::{Context, PendingLobe};
 use super::parameters::empty_lobe;

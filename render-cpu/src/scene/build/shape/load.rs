@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub(super) fn mesh(object: &Object) -> Result<Mesh, SceneError> {
     let path = object.require_file("filename")?;
     let flip = |default| object.get_bool("flip_tex_coords", default);
-    let files = object.kept_files();
+    let files = object.file_cache();
     let mesh = match object.plugin.as_str() {
         "obj" => {
             // The groups of a file are always one shape, as with `collapse` of Mitsuba 0.6; the image is the same.

@@ -16,26 +16,26 @@ type Key = (TypeId, PathBuf, u64);
 
 /// Contents of files by path; shared by all objects of a scene and by scenes that were made of it.
 #[derive(Default)]
-pub struct KeptFiles {
+pub struct FileCache {
     keeps: AtomicBool,
     contents: Mutex<HashMap<Key, Arc<dyn Any + Send + Sync>>>,
 }
 
-impl fmt::Debug for KeptFiles {
+impl fmt::Debug for FileCache {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("KeptFiles")
+        f.debug_struct("FileCache")
             .field("keeps", &self.keeps)
             .finish_non_exhaustive()
     }
 }
 
-impl KeptFiles {
+impl FileCache {
     /// Keeps what is read from now on.
     pub fn keep(&self) {
         self.keeps.store(true, Ordering::Relaxed);
     }
 
-    /// The contents of a file, read unless cached; `variant` distinguishes ways of reading the same file.
+    /// The contents of a file, read unless cached; `variant` distinguishes how the same file is read.
     ///
     /// # Errors
     /// What `read` returns.
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn files_are_read_once_per_variant_when_kept() {
-        let files = KeptFiles::default();
+        let files = FileCache::default();
         let reads = std::cell::Cell::new(0);
         let read = |variant| {
             let contents: Result<Arc<u32>, Infallible> = files.get("a".as_ref(), variant, || {

@@ -93,13 +93,21 @@ fn bandwidths_are_those_of_their_statistics() {
     let r = dark.bandwidth(Variance::KERNEL, 100.0, 1e-3, 0.8);
     assert!((r - 5e-4).abs() < 1e-9, "{r}");
     let inside = by_hand(0.3, 2.0, 0.0);
-    let v = over_disk(|t| kernel(t).powi(2)) * 0.25 * 0.3;
-    let expected = 0.832_683 * searched(v, 2.0, 6400.0);
-    let r = inside.bandwidth(Variance::KERNEL, 100.0, 1e-3, 10.0);
-    assert!(
-        (f64::from(r) / expected - 1.0).abs() < 2e-3,
-        "{r} {expected}"
-    );
+    // The kernel estimate has the square of psi, equation 5.12 its variance, 0.3 - 0.5^2.
+    for (kind, v) in [
+        (
+            Variance::KERNEL,
+            over_disk(|t| kernel(t).powi(2)) * 0.25 * 0.3,
+        ),
+        (Variance::MEASUREMENT, 0.25 * 0.05 / std::f64::consts::PI),
+    ] {
+        let expected = 0.832_683 * searched(v, 2.0, 6400.0);
+        let r = inside.bandwidth(kind, 100.0, 1e-3, 10.0);
+        assert!(
+            (f64::from(r) / expected - 1.0).abs() < 2e-3,
+            "{kind}: {r} {expected}"
+        );
+    }
 }
 
 /// Equation 5.18 where its bounds do not act: 1.9635 deviations times N^(-1/8).

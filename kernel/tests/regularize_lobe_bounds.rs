@@ -117,7 +117,18 @@ fn bounds_of_lobes_hold_and_are_close() {
     let mut curtain = white(lobe_kind::DIFFUSE_TRANSMISSION);
     curtain.specular_transmittance = Vec3::splat(0.3);
     cases.push(("curtain".into(), curtain, true, 0.99));
-    for alpha in [0.05, 0.3] {
+    // As rough as it gets: the peak of the highlight is not along the normal.
+    let mut plastic = specular(
+        lobe_kind::ROUGH_PLASTIC,
+        distribution::BECKMANN,
+        Vec2::ONE,
+        1.5,
+    );
+    plastic.reflectance = Vec3::splat(0.9);
+    plastic.internal_reflectance = 0.596;
+    plastic.table = halflight_kernel::scene::NONE;
+    cases.push(("plastic".into(), plastic, false, 0.5));
+    for alpha in [0.05, 0.3, 0.7, 1.0] {
         for kind in [distribution::BECKMANN, distribution::GGX] {
             let mut metal = specular(lobe_kind::ROUGH_CONDUCTOR, kind, Vec2::splat(alpha), 1.5);
             metal.k = Vec3::splat(1e4);

@@ -303,7 +303,9 @@ pub fn bound(lobe: &Lobe, transmission: bool) -> f32 {
 #[inline]
 fn reflection(lobe: &Lobe) -> f32 {
     if lobe.distribution != kinds::EXPONENTIAL_POWER {
-        return bounds::reflection_bound(bounds::SMITH, lobe.distribution, lobe.alpha);
+        let bound = bounds::reflection_bound(bounds::SMITH, lobe.distribution, lobe.alpha);
+        let excess = bounds::peak_excess(lobe.distribution, lobe.alpha.max_element());
+        return (bound * excess).min(TAU_MAX);
     }
     let alpha = lobe.microfacets().alpha;
     let least = alpha.x.min(alpha.y);

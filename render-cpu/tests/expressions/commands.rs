@@ -139,7 +139,7 @@ fn bad_requests_end_in_one_line() {
         ),
         (&["--lpe", "a=CD"], "no path of this scene"),
         (&["--integrator", "ao", "--only", "C.*L"], "not for ao"),
-        (&["--integrator", "appm", "--lpe", "a=C.*L"], "not for appm"),
+        (&["--integrator", "mcppm", "--lpe", "a=C.*L"], "not for mcppm"),
         (
             &[
                 "--integrator",

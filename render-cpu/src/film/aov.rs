@@ -194,6 +194,16 @@ impl AovSet {
         Self(self.0 | other.0)
     }
 
+    /// Sums that are kept of a part of the image: of its samples, and where variances are wanted, of their squares.
+    pub fn sums_per_part(self) -> usize {
+        if self.contains(Aov::Variance) { 6 } else { 3 }
+    }
+
+    /// Sums that are kept of a pixel: those of output variables, then those of parts.
+    pub fn sums_per_pixel(self, parts: usize) -> usize {
+        self.accumulators() + self.sums_per_part() * parts
+    }
+
     /// The set with `aov` added.
     #[must_use]
     pub const fn with(self, aov: Aov) -> Self {

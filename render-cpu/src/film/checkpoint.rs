@@ -23,7 +23,7 @@ use crate::atomic_file::{WriteError, write_atomically};
 use crate::film::aov::AovSet;
 use crate::film::chain_counts::{ChainCounts, CheckpointCounts};
 use crate::film::pending_samples::PendingSamples;
-use crate::film::{Film, FilmError, PixelStatistics, sums_per_pixel};
+use crate::film::{Film, FilmError, PixelStatistics};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -317,7 +317,7 @@ pub fn read_checkpoint(
     let pixels = u64::from(header.width) * u64::from(header.height);
     let owes = version == VERSION_WITH_OWED;
     let mut bytes_per_pixel =
-        (PIXEL_LENGTH + sums_per_pixel(aovs, header.parts.len()) * SUM_LENGTH) as u64;
+        (PIXEL_LENGTH + aovs.sums_per_pixel(header.parts.len()) * SUM_LENGTH) as u64;
     if owes {
         bytes_per_pixel += OWED_LENGTH as u64;
     }

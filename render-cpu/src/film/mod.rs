@@ -57,20 +57,6 @@ pub struct Film {
     chain_counts: ChainCounts,
 }
 
-/// Sums that are kept of a part: of its samples, and where the film keeps variances, of their squares.
-pub fn sums_per_part(aovs: AovSet) -> usize {
-    if aovs.contains(Aov::Variance) {
-        2 * CHANNELS
-    } else {
-        CHANNELS
-    }
-}
-
-/// Sums that are kept of a pixel: those of output variables, then those of parts.
-pub fn sums_per_pixel(aovs: AovSet, parts: usize) -> usize {
-    aovs.accumulators() + sums_per_part(aovs) * parts
-}
-
 impl Film {
     /// Most pixels of a film: 2^30, a square of 32768.
     pub const MAX_PIXELS: u64 = 1 << 30;
@@ -109,7 +95,7 @@ impl Film {
         }
         let pixels = usize::try_from(pixels).map_err(|_| too_large())?;
         let sums = pixels
-            .checked_mul(sums_per_pixel(aovs, parts.len()))
+            .checked_mul(aovs.sums_per_pixel(parts.len()))
             .ok_or_else(too_large)?;
         let mut statistics = Vec::new();
         statistics
@@ -165,12 +151,12 @@ impl Film {
 
     /// Sums that are kept of a pixel: those of output variables, then those of parts.
     pub fn sums_per_pixel(&self) -> usize {
-        sums_per_pixel(self.aovs, self.parts.len())
+        self.aovs.sums_per_pixel(self.parts.len())
     }
 
     fn part_sum(&self, part: usize, number: usize, pixel: usize) -> f64 {
         let first = pixel * self.sums_per_pixel() + self.aovs.accumulators();
-        self.aov_sums[first + sums_per_part(self.aovs) * part + number]
+        self.aov_sums[first + self.aovs.sums_per_part() * part + number]
     }
 
     /// Mean of one channel of a part over the samples of a pixel; zero where there is no sample.

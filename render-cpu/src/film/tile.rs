@@ -1,7 +1,7 @@
 //! Parts of a film that one thread works on: a pixel, a rectangle of pixels.
 
+use super::PixelStatistics;
 use super::aov::{Aov, AovSample, AovSet, BANDWIDTH_NUMBERS};
-use super::{PixelStatistics, sums_per_part};
 use glam::Vec3;
 
 /// A sample whose largest component is brought down to `clamp`, its colour kept. What is not finite stays so.
@@ -61,7 +61,7 @@ impl PixelMut<'_> {
         }
         let sums = &mut self.aov_sums[self.aovs.accumulators()..];
         let keeps_squares = self.aovs.contains(Aov::Variance);
-        let per_part = sums_per_part(self.aovs);
+        let per_part = self.aovs.sums_per_part();
         let mut left = match parts.len() {
             0 => 0,
             count => bits & u32::MAX >> (32 - count.min(32)),

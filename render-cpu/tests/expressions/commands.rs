@@ -139,7 +139,10 @@ fn bad_requests_end_in_one_line() {
         ),
         (&["--lpe", "a=CD"], "no path of this scene"),
         (&["--integrator", "ao", "--only", "C.*L"], "not for ao"),
-        (&["--integrator", "mcppm", "--lpe", "a=C.*L"], "not for mcppm"),
+        (
+            &["--integrator", "mcppm", "--lpe", "a=C.*L"],
+            "not for mcppm",
+        ),
         (
             &[
                 "--integrator",

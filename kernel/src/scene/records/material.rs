@@ -81,7 +81,7 @@ pub mod lobe_kind {
     /// Transmission through a thin rough sheet.
     pub const THIN_TRANSMISSION: u32 = 23;
     /// Single scattering in a thin layer (Hanrahan and Krueger); [`super::LobeRecord::distribution`] is one of
-    /// [`crate::bsdf::hanrahan_krueger::given`].
+    /// [`crate::bsdf::hanrahan_krueger::layer_parameters`].
     pub const HANRAHAN_KRUEGER: u32 = 24;
     /// Number of values that kinds take.
     pub const COUNT: u32 = 25;

@@ -10,10 +10,11 @@ slopes those of least squares in logarithms. Theory: -2/3 for a bias that falls 
 
 import argparse
 import json
-import math
 import os
 import subprocess
 import tempfile
+
+from photons import slope
 
 ALGORITHMS = ["sppm", "appm", "vcm"]
 
@@ -35,13 +36,11 @@ def error_of(options, entry, algorithm, passes):
         return metrics["trimmed-relative-mse"] - (metrics.get("reference-variance") or 0.0)
 
 
-def slope(passes, errors):
-    """Exponent of the power law through the errors; nothing where one is lost in the reference's variance."""
+def slope_above_noise(passes, errors):
+    """Slope of the errors; nothing where one is lost in the reference's variance."""
     if any(e is None or e <= 0.0 for e in errors):
         return None
-    x, y = [math.log(n) for n in passes], [math.log(e) for e in errors]
-    mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
-    return sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y)) / sum((a - mean_x) ** 2 for a in x)
+    return slope(passes, errors)
 
 
 def main():
@@ -65,7 +64,7 @@ def main():
             if errors[0] is None or errors[-1] is None:
                 cells.append("no image")
                 continue
-            found = slope(passes, errors)
+            found = slope_above_noise(passes, errors)
             if found is not None:
                 slopes[algorithm].append(found)
             text = "within the reference's noise" if found is None else f"{found:.2f}"

@@ -18,6 +18,7 @@ mod returns;
 mod scenes;
 mod stationary;
 mod total;
+mod tracing;
 mod two_stages;
 mod variants;
 mod whole_paths;

@@ -2,7 +2,8 @@
 //! differences.
 
 use crate::brightness::{BALL, GLOSSY, POINT, SKY, camera};
-use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky, with_view};
+use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky};
+use crate::tracing::with_tracer;
 use glam::{Vec2, Vec3};
 use halflight::scene::build::Scene;
 use halflight_kernel::bsdf::Bsdf;
@@ -10,7 +11,6 @@ use halflight_kernel::manifold::half_vector::half_vector;
 use halflight_kernel::manifold::half_vector_form::{PROJECTED, SLOPE};
 use halflight_kernel::manifold::mutation::density_factor;
 use halflight_kernel::manifold::vertex_kind;
-use halflight_kernel::path::tracer::Tracer;
 use halflight_kernel::path::whole::Blurring;
 use halflight_kernel::sampler::IndependentSampler;
 use halflight_kernel::transport::markov::half_vector::measure::{
@@ -31,13 +31,7 @@ const FACETS: &str = r#"<shape type="obj"><string name="filename" value="sphere.
 
 /// Calls `test` with paths that carry light and their chains.
 fn with_paths(scene: &Scene, mut test: impl FnMut(&ChainPath, &PathChain)) {
-    with_view(scene, |view| {
-        let tracer = Tracer {
-            view,
-            rules: scene.settings.rules,
-            beside: None,
-            edits: None,
-        };
+    with_tracer(scene, |tracer| {
         let mut bsdf = Bsdf::BLACK;
         let mut chain = PathChain::EMPTY;
         let reference = Vec3::new(0.36, 0.48, 0.8);
@@ -45,13 +39,13 @@ fn with_paths(scene: &Scene, mut test: impl FnMut(&ChainPath, &PathChain)) {
             let mut sensor = IndependentSampler::new(1, 0, i);
             let mut light = IndependentSampler::new(2, 0, i);
             candidate::paths(
-                &tracer,
+                tracer,
                 Blurring::NONE,
                 &mut sensor,
                 &mut light,
                 |path, weight| {
                     if weight > 0.0 && path.edges() >= 2 && path.edges() <= 6 {
-                        let tables = &view.tables;
+                        let tables = &tracer.view.tables;
                         chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
                         test(path, &chain);
                     }

@@ -4,7 +4,8 @@
 //! One camera sees a room with a mirror at a wall and a ball of glass, the other a few millimetres of the edge between mirror and
 //! ceiling: there vertices lie so close together that the difference of their positions says little of the direction between them.
 
-use crate::scenes::{scene, with_view};
+use crate::scenes::scene;
+use crate::tracing::with_tracer;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Bsdf;
 use halflight_kernel::math::Frame;
@@ -149,20 +150,14 @@ fn perturbations_lead_back() {
         let scene = scene(&[&sensor, ROOM].concat(), &[]);
         // Lens, multi-chain about a direction, multi-chain about a vertex, caustic.
         let mut counts: [Counts; 4] = Default::default();
-        with_view(&scene, |view| {
-            let tracer = Tracer {
-                view,
-                rules: scene.settings.rules,
-                beside: None,
-                edits: None,
-            };
+        with_tracer(&scene, |tracer| {
             let mut bsdf = Bsdf::BLACK;
             for i in 0..4000 {
                 let mut sensor = IndependentSampler::new(1, 0, i);
                 let mut light = IndependentSampler::new(2, 0, i);
                 let mut random = IndependentSampler::new(3, 0, i);
                 candidate::paths(
-                    &tracer,
+                    tracer,
                     Blurring::NONE,
                     &mut sensor,
                     &mut light,
@@ -170,7 +165,7 @@ fn perturbations_lead_back() {
                         if !(weight > 0.0) || x.edges() < 2 {
                             return;
                         }
-                        let moved = light_chain(&tracer, x);
+                        let moved = light_chain(tracer, x);
                         for is_from_light in [false, true] {
                             if is_from_light && moved.is_none() {
                                 continue;
@@ -180,9 +175,9 @@ fn perturbations_lead_back() {
                                  to: &mut ChainPath,
                                  sampler: &mut dyn FnMut() -> f32| {
                                     let mut sampler = Called(sampler);
-                                    match light_chain(&tracer, from) {
+                                    match light_chain(tracer, from) {
                                         Some(moved) if is_from_light => propose_from_light(
-                                            &tracer,
+                                            tracer,
                                             from,
                                             moved,
                                             to,
@@ -190,7 +185,7 @@ fn perturbations_lead_back() {
                                             &mut sampler,
                                         ),
                                         _ => propose_from_sensor(
-                                            &tracer,
+                                            tracer,
                                             from,
                                             to,
                                             &mut bsdf,
@@ -218,9 +213,9 @@ fn perturbations_lead_back() {
                             count.made += 1;
                             let back = match moved {
                                 Some(moved) if is_from_light => {
-                                    back_from_light(&tracer, [x, &y], moved)
+                                    back_from_light(tracer, [x, &y], moved)
                                 }
-                                _ => back_from_sensor(&tracer, [x, &y], &numbers),
+                                _ => back_from_sensor(tracer, [x, &y], &numbers),
                             };
                             // Numbers at the very ends of their ranges may round out of them.
                             let Some(back) = back else { continue };

@@ -1,15 +1,14 @@
 //! Walks that do not come back, and jumps, in a hollow mirror, where several paths have the same half vectors: what the mutations
 //! take for reversible, and what a jump adds to the ratio of densities, against the walks themselves and densities per area.
 
-use crate::scenes::{LAMP, PINHOLE, scene, with_view};
+use crate::scenes::{LAMP, PINHOLE, scene};
+use crate::tracing::{Trace, with_tracer};
 use glam::{Vec2, Vec3};
-use halflight::accel::CpuTraverse;
 use halflight_kernel::bsdf::Bsdf;
 use halflight_kernel::manifold::ChainJacobian;
 use halflight_kernel::manifold::half_vector_form::SLOPE;
 use halflight_kernel::manifold::mutation::{density_factor, mutate, mutation_kind};
 use halflight_kernel::manifold::walk::{WalkOptions, walk};
-use halflight_kernel::path::tracer::Tracer;
 use halflight_kernel::path::whole::Blurring;
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::{SceneView, Traverse};
@@ -25,9 +24,6 @@ use halflight_kernel::transport::markov::veach::{ChainPath, candidate};
 
 const N: usize = 4;
 
-/// The scene with its ray tracer.
-type Trace<'a> = Tracer<'a, CpuTraverse<'a>>;
-
 /// Calls `test` with paths of three edges, their chains, the whole as a segment, and half vectors far from theirs.
 fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segment<N>, &[Vec2; N])) {
     let inside = PINHOLE
@@ -36,13 +32,7 @@ fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segmen
     let bowl = r#"<shape type="sphere"><point name="center" value="0, 1, 0"/><float name="radius" value="2"/>
         <bsdf type="twosided"><bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf></bsdf></shape>"#;
     let scene = scene(&[&inside, LAMP, bowl].concat(), &[]);
-    with_view(&scene, |view| {
-        let tracer = Tracer {
-            view,
-            rules: scene.settings.rules,
-            beside: None,
-            edits: None,
-        };
+    with_tracer(&scene, |tracer| {
         let mut bsdf = Bsdf::BLACK;
         let mut chain = PathChain::EMPTY;
         let reference = Vec3::new(0.36, 0.48, 0.8);
@@ -51,7 +41,7 @@ fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segmen
             let mut light = IndependentSampler::new(2, 0, i);
             let mut steps = IndependentSampler::new(3, 0, i);
             candidate::paths(
-                &tracer,
+                tracer,
                 Blurring::NONE,
                 &mut sensor,
                 &mut light,
@@ -59,7 +49,7 @@ fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segmen
                     if !(weight > 0.0) || path.edges() != 3 {
                         return;
                     }
-                    let tables = &view.tables;
+                    let tables = &tracer.view.tables;
                     chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
                     let Some(segment) = Segment::<N>::new(&chain, 0, 3, SLOPE) else {
                         return;
@@ -68,7 +58,7 @@ fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segmen
                     for h in &mut target[1..3] {
                         *h += (steps.next_2d() - Vec2::splat(0.5)) * 1.2;
                     }
-                    test(&tracer, path, &chain, &segment, &target);
+                    test(tracer, path, &chain, &segment, &target);
                 },
             );
         }

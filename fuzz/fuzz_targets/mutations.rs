@@ -1,4 +1,4 @@
-//! Mutations of whole paths on small scenes with poles: see the module that the tests of chains share.
+//! Mutations of full paths on small scenes with poles: see the module that the tests of chains share.
 #![no_main]
 
 #[path = "../../render-cpu/tests/chains/hostile_scenes.rs"]

@@ -18,7 +18,7 @@ use std::f32::consts::PI;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Equation 17 gathered segment by segment is the minimum over the whole path.
+    /// Equation 17 gathered segment by segment is the minimum over the full path.
     #[test]
     fn quality_is_the_least_connection(
         rho in prop::collection::vec(1e-3_f32..1e8, 6),

@@ -313,14 +313,14 @@ impl Backend for DeviceBackend {
             let width = film.width();
             // The index of each pixel in the list; `u32::MAX` for pixels that are not in it.
             let mut places = vec![u32::MAX; film.statistics().len()];
-            for (place, item) in list.iter().enumerate() {
-                places[item.pixel as usize] = place as u32;
+            for (index, item) in list.iter().enumerate() {
+                places[item.pixel as usize] = index as u32;
             }
             film.tiles_mut(64).into_par_iter().for_each(|mut tile| {
                 for y in tile.y()..tile.y() + tile.height() {
                     for x in tile.x()..tile.x() + tile.width() {
-                        let place = places[y as usize * width as usize + x as usize];
-                        let Some(sample) = samples.get(place as usize) else {
+                        let index = places[y as usize * width as usize + x as usize];
+                        let Some(sample) = samples.get(index as usize) else {
                             continue;
                         };
                         let [r, g, b, _] = sample.radiance;

@@ -20,7 +20,7 @@
 //!   early return and the module more than twice as large.
 //!
 //! # Stages and features
-//! SPIR-V functions that touch buffers are copied to every call, so a whole path in one shader is a quarter of a million
+//! SPIR-V functions that touch buffers are copied to every call, so a full path in one shader is a quarter of a million
 //! instructions, for which the compiler of Mesa's software device takes more than six minutes. Path tracing and direct
 //! illumination therefore run in [`path_stages`], one step of all paths at a time, and every stage is compiled for the
 //! features of the scene ([`halflight_kernel::scene::features`]): models, textures and lights that the scene lacks are

@@ -162,11 +162,12 @@ impl HalfVectorDensity {
         }
         // The spectrum's width as a slope at the middle wavelength, and that of the facets; at grazing incidence the
         // spectrum covers all directions.
-        let own = 0.5 * scale.wavelengths[1] / (scale.b * cos).max(0.1 * scale.wavelengths[1]);
+        let diffracted =
+            0.5 * scale.wavelengths[1] / (scale.b * cos).max(0.1 * scale.wavelengths[1]);
         HalfVectorDensity {
             // Neither is left out: each is what the other's density is too thin for.
             reflection: 0.05 + 0.9 * kept * (1.0 / 3.0),
-            width: safe_sqrt(own * own + sqr(lobe.microfacets().alpha.x)),
+            width: safe_sqrt(diffracted * diffracted + sqr(lobe.microfacets().alpha.x)),
             // A slower decay would put most half vectors on the horizon.
             c: scale.c.max(2.0),
         }

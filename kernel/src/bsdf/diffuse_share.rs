@@ -39,17 +39,17 @@ impl Bsdf {
         }
         let (mut diffuse, mut all) = (Vec3::ZERO, Vec3::ZERO);
         for i in 0..self.lobe_count() {
-            let own = self.lobe_at(i);
-            let value = lobe::eval_cosine(own, data, wi, wo) * own.weight;
+            let lobe = self.lobe_at(i);
+            let value = lobe::eval_cosine(lobe, data, wi, wo) * lobe.weight;
             all += value;
-            if own.kind == lobe_kind::ROUGH_PLASTIC {
+            if lobe.kind == lobe_kind::ROUGH_PLASTIC {
                 // Its base alone.
                 let base = Lobe {
                     specular_reflectance: Vec3::ZERO,
-                    ..*own
+                    ..*lobe
                 };
-                diffuse += lobe::eval_cosine(&base, data, wi, wo) * own.weight;
-            } else if is_diffuse(own.kind) {
+                diffuse += lobe::eval_cosine(&base, data, wi, wo) * lobe.weight;
+            } else if is_diffuse(lobe.kind) {
                 diffuse += value;
             }
         }
@@ -62,12 +62,12 @@ impl Bsdf {
 }
 
 /// [`Bsdf::diffuse_share`] of a lobe of rough plastic alone.
-pub fn of_rough_plastic(own: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+pub fn of_rough_plastic(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
     let base = Lobe {
         specular_reflectance: Vec3::ZERO,
-        ..*own
+        ..*lobe
     };
-    let all = lobe::eval_cosine(own, data, wi, wo);
+    let all = lobe::eval_cosine(lobe, data, wi, wo);
     let diffuse = lobe::eval_cosine(&base, data, wi, wo);
     Vec3::new(
         share(diffuse.x, all.x),

@@ -68,7 +68,7 @@ pub fn lobe_falloff(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
     if !pair.valid {
         return 0.0;
     }
-    let own = match lobe.kind {
+    let uncoated = match lobe.kind {
         lobe_kind::ROUGH_CONDUCTOR | lobe_kind::ROUGH_COAT => normal_falloff(lobe, i + o),
         lobe_kind::ROUGH_DIELECTRIC => {
             let eta = super::fresnel::relative_eta(i.z, lobe.eta.x);
@@ -96,7 +96,7 @@ pub fn lobe_falloff(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> f32 {
         // Measured and tabulated models.
         _ => falloff_by_differences(|i, o| luminance(model::eval(lobe, data, i, o)), i, o),
     };
-    own * sqr(slope_through_coats(lobe, wi, wo, i, o))
+    uncoated * sqr(slope_through_coats(lobe, wi, wo, i, o))
 }
 
 /// `1 / sigma^2` of the lobe's microfacets at the half vector along `h`, of either orientation.

@@ -28,7 +28,7 @@
 
 use super::vertex::{ChainVertex, vertex_kind};
 
-/// Probability of mutating the whole path by one of the methods, each.
+/// Probability of mutating the full path by one of the methods, each.
 pub const WHOLE: f32 = 0.1;
 
 /// Probability of going no further than a vertex of roughness one.

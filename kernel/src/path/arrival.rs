@@ -1,4 +1,4 @@
-//! The arrival of a walk at a surface, the same for all walks that are connected, merged or kept as photons.
+//! The arrival of a walk at a surface and its departure, the same for all walks that are connected, merged or kept as photons.
 //!
 //! ```text
 //! surface point -> hidden emitter? -> partial sums of the weights -> emission -> depth, masks, strict normals -> BSDF
@@ -7,6 +7,7 @@
 //! What the steps look up lies in a [`ShadingPoint`], which the caller lends: it is large, and every bounce writes it anew.
 
 use super::connection::Connector;
+use super::evaluation::Interaction;
 use super::rules::step;
 use super::shading_point::ShadingPoint;
 use super::walk::Walk;
@@ -14,6 +15,7 @@ use crate::bsdf::mode;
 use crate::math::Rgb;
 #[cfg(not(target_arch = "spirv"))]
 use crate::regularize::near_specular::is_near_specular;
+use crate::sampler::Sampler;
 use crate::scene::{Hit, SurfacePoint};
 use glam::Vec3;
 
@@ -46,6 +48,19 @@ impl Connector<'_> {
         (found, next)
     }
 
+    /// [`Walk::scatter`] at a vertex, with the rules and the heuristic of this connector there; returns what is next, one of
+    /// [`step`].
+    #[inline]
+    pub fn scatter<S: Sampler>(
+        &self,
+        walk: &mut Walk,
+        at: &Interaction<'_>,
+        sampler: &mut S,
+    ) -> u32 {
+        let h = self.heuristic_at(at.point.position);
+        walk.scatter(self.tables, &self.rules, h, sampler, at)
+    }
+
     /// Makes lobes of a surface specular whose roughness its regularisation takes for none, where a walk came along `direction`.
     #[inline]
     pub fn sharpen(&self, direction: Vec3, site: &mut ShadingPoint) {
@@ -54,9 +69,9 @@ impl Connector<'_> {
         if self.regularization.half_tangent > 0.0 {
             let wi = site.point.frame.to_local(-direction);
             let data = self.tables.data;
-            let own = &self.regularization;
+            let regularization = &self.regularization;
             site.bsdf.sharpen(data, wi, |lobe| {
-                is_near_specular(lobe, own.quantile, own.half_tangent)
+                is_near_specular(lobe, regularization.quantile, regularization.half_tangent)
             });
         }
         #[cfg(target_arch = "spirv")]

@@ -137,8 +137,8 @@ impl<'a> Interaction<'a> {
     #[inline]
     pub fn effective(&self, direction: Vec3) -> Vec3 {
         #[cfg(not(target_arch = "spirv"))]
-        if let Some(own) = self.retargeted
-            && let Some(origin) = own.origin(self.point, direction)
+        if let Some(retargeted) = self.retargeted
+            && let Some(origin) = retargeted.origin(self.point, direction)
         {
             return self.point.frame.to_local(origin.direction);
         }
@@ -156,14 +156,15 @@ impl<'a> Interaction<'a> {
         sampler: &mut S,
     ) -> OutgoingSample {
         #[cfg(not(target_arch = "spirv"))]
-        if let Some(own) = self.retargeted {
+        if let Some(retargeted) = self.retargeted {
             let (wi, wo) = (self.wi, sample.wo);
             let scattered = Scattered::sampled(self.bsdf, tables.data, wi, wo, sample.event);
-            let turned = own.redirect(self.point, &scattered, direction, || sampler.next_1d());
+            let turned =
+                retargeted.redirect(self.point, &scattered, direction, || sampler.next_1d());
             return OutgoingSample {
                 direction: turned.direction,
                 pdf: turned.pdf,
-                pdf_reverse: own.incoming.jacobian,
+                pdf_reverse: retargeted.incoming.jacobian,
                 value: turned.value,
                 label: turned.label,
             };
@@ -217,8 +218,8 @@ impl<'a> Interaction<'a> {
         }
         let is_light_walk = transport_mode == mode::IMPORTANCE;
         #[cfg(not(target_arch = "spirv"))]
-        if let Some(own) = self.retargeted {
-            return self.evaluate_retargeted(tables, own, is_light_walk, direction);
+        if let Some(retargeted) = self.retargeted {
+            return self.evaluate_retargeted(tables, retargeted, is_light_walk, direction);
         }
         let both = self.eval_cosine_pdf_both(tables, wo, is_light_walk);
         if both.value.max_element() <= 0.0 {
@@ -241,11 +242,11 @@ impl<'a> Interaction<'a> {
     fn evaluate_retargeted(
         &self,
         tables: &Tables<'_>,
-        own: &Retargeted<'_>,
+        retargeted: &Retargeted<'_>,
         is_light_walk: bool,
         direction: Vec3,
     ) -> Evaluation {
-        let Some(origin) = own.origin(self.point, direction) else {
+        let Some(origin) = retargeted.origin(self.point, direction) else {
             return Evaluation::NONE;
         };
         let wo = self.point.frame.to_local(origin.direction);
@@ -259,9 +260,9 @@ impl<'a> Interaction<'a> {
             1.0
         };
         Evaluation {
-            value: both.value * ratio * own.value(self.point, &origin, direction),
+            value: both.value * ratio * retargeted.value(self.point, &origin, direction),
             pdf: both.pdf * origin.jacobian,
-            pdf_reverse: both.pdf_reverse * own.incoming.jacobian,
+            pdf_reverse: both.pdf_reverse * retargeted.incoming.jacobian,
         }
     }
 

@@ -156,8 +156,8 @@ impl PathExpressions<'_> {
 
     /// The letter of scattering of a kind at a [`PathExpressions::first_letter`].
     #[inline]
-    pub fn letter(&self, place: u32, kind: u32) -> u32 {
-        self.letters[(place + kind) as usize]
+    pub fn letter(&self, first_letter: u32, kind: u32) -> u32 {
+        self.letters[(first_letter + kind) as usize]
     }
 
     /// Bits of the expressions that hold for a path of two walks.

@@ -1,4 +1,4 @@
-//! The layer that all algorithms over whole paths share: subpaths, connections between them, and multiple importance
+//! The layer that all algorithms over full paths share: subpaths, connections between them, and multiple importance
 //! sampling weights.
 //!
 //! A [`Walk`] is the moving end of a subpath that starts at the sensor or at an emitter. A [`PathVertex`] is a stored vertex
@@ -8,7 +8,7 @@
 //! subpath started, or is a splat. Walks always sample the BSDF itself.
 //!
 //! - [`discrete_event`], [`mollified`]: discrete directions of a material, and the same blurred;
-//! - `path_node`, `whole_weights`: vertices of subpaths whose regularisation depends on the whole path, and weights of its
+//! - `path_node`, `path_weights`: vertices of subpaths whose regularisation depends on the full path, and weights of its
 //!   strategies;
 //! - [`spread`]: what the heuristics of regularisation know of a camera walk;
 //! - [`specular_chain`]: which paths nothing samples, and where they are connected all the same;
@@ -27,12 +27,11 @@
 //! - [`lens`]: connections to the lens, and walks that hit it;
 //! - [`contribution`]: what a strategy returns;
 //! - [`visibility`]: transmittance along a segment;
-//! - [`expression`], [`scattered`], [`path_states`], `whole_shares`: which sets of paths a path belongs to, and the walks that
+//! - [`expression`], [`expression_shares`], [`scattered`], [`path_states`]: which sets of paths a path belongs to, and the walks that
 //!   find out;
 //! - `retarget`, `retarget_states`, `retargeted`: edits, which paths they turn, and what they do at a vertex;
 //! - `through_interfaces`: connections through glass, by walks on manifolds (hosts only);
-//! - `whole`, `whole_blurred`, `whole_densities`, `whole_edited`, `whole_vertex`, `tracer`, `specular`: whole paths with the densities of
-//!   all strategies, for Markov chains.
+//! - `full_path`, `tracer`, `specular`: full paths with the densities of all strategies, for Markov chains.
 
 pub mod arrival;
 pub mod connection;
@@ -40,12 +39,18 @@ pub mod contribution;
 pub mod discrete_event;
 pub mod evaluation;
 pub mod expression;
+pub mod expression_shares;
+// Full paths are for hosts only: chains keep their surface points, for which a shader has no room.
+#[cfg(not(target_arch = "spirv"))]
+pub mod full_path;
 pub mod lens;
 pub mod mollified;
 // Vertices with what heuristics know of them are for hosts only: a shader has no storage for all of a path.
 #[cfg(not(target_arch = "spirv"))]
 pub mod path_node;
 pub mod path_states;
+#[cfg(not(target_arch = "spirv"))]
+pub mod path_weights;
 pub mod photon_density;
 pub mod remainder;
 // Edits are for hosts only: they keep several choices per vertex, for which shaders have no storage.
@@ -58,13 +63,12 @@ pub mod retargeted;
 pub mod rules;
 pub mod scattered;
 pub mod shading_point;
+#[cfg(not(target_arch = "spirv"))]
+pub mod specular;
 pub mod specular_chain;
 pub mod spread;
 pub mod strategies;
 pub mod subpath;
-// Whole paths are for hosts only: chains keep their surface points, for which a shader has no room.
-#[cfg(not(target_arch = "spirv"))]
-pub mod specular;
 #[cfg(not(target_arch = "spirv"))]
 pub mod through_interfaces;
 #[cfg(not(target_arch = "spirv"))]
@@ -74,26 +78,13 @@ pub mod visibility;
 pub mod walk;
 mod walk_weights;
 pub mod weight;
-#[cfg(not(target_arch = "spirv"))]
-pub mod whole;
-#[cfg(not(target_arch = "spirv"))]
-mod whole_blurred;
-#[cfg(not(target_arch = "spirv"))]
-mod whole_densities;
-#[cfg(not(target_arch = "spirv"))]
-pub mod whole_edited;
-#[cfg(not(target_arch = "spirv"))]
-mod whole_shares;
-#[cfg(not(target_arch = "spirv"))]
-pub mod whole_vertex;
-#[cfg(not(target_arch = "spirv"))]
-pub mod whole_weights;
 
 pub use connection::Connector;
 pub use contribution::{Contribution, Contributions};
 pub use evaluation::{Evaluation, Interaction};
 pub use expression::PathExpressions;
-pub use path_states::{PathStates, Shares};
+pub use expression_shares::Shares;
+pub use path_states::PathStates;
 pub use photon_density::PhotonDensity;
 pub use rules::PathRules;
 pub use scattered::Scattered;

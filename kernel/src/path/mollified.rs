@@ -85,9 +85,9 @@ pub fn mollified(
             }
             let mut value = found.value * density;
             if transport_mode == mode::IMPORTANCE {
-                let own = point.frame.to_world(axis);
+                let world = point.frame.to_world(axis);
                 let ratio = lobe::exchange_ratio(at.bsdf.lobe_at(i), tables.data, at.wi, found.wo);
-                value *= ratio * at.adjoint_ratio(own) * found.eta * found.eta;
+                value *= ratio * at.adjoint_ratio(world) * found.eta * found.eta;
             }
             sum += value;
         }
@@ -143,8 +143,8 @@ impl Connector<'_> {
             self.tables.info.radius
         };
         let edge = distance * distance;
-        let own = SpecularChain::start(state::IS_ROUGH, 0.0);
-        if !is_chosen(&own, &walk.arrived_chain.ending(true), edge) || !self.strategies.shows(1, t)
+        let end = SpecularChain::start(state::IS_ROUGH, 0.0);
+        if !is_chosen(&end, &walk.arrived_chain.ending(true), edge) || !self.strategies.shows(1, t)
         {
             return Contribution::NONE;
         }
@@ -236,9 +236,9 @@ impl Connector<'_> {
         let seen = camera::film_position(tables, at.point.position, u_lens);
         let edge = seen.distance * seen.distance;
         let is_pinned = !(self.strategies.pdf_lens(tables, rules) > 0.0);
-        let own = SpecularChain::start(state::IS_ROUGH, 0.0);
+        let end = SpecularChain::start(state::IS_ROUGH, 0.0);
         let sent = walk.arrived_chain.ending(true);
-        if !seen.is_valid || !is_pinned || !is_chosen(&sent, &own, edge) {
+        if !seen.is_valid || !is_pinned || !is_chosen(&sent, &end, edge) {
             return Contribution::NONE;
         }
         let blur = self.blur(seen.distance);

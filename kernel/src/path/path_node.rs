@@ -1,19 +1,19 @@
-//! Vertices of subpaths whose regularisation depends on the whole path: what each keeps so that a connection can go along both
+//! Vertices of subpaths whose regularisation depends on the full path: what each keeps so that a connection can go along both
 //! subpaths without a look at surfaces that are not shiny.
 //!
 //! Heuristics of Jendersie and Grosch 2019, section 3.5 need bounds of the BSDF and the mean curvature at each vertex; weights
-//! ([`super::whole_weights`]) need densities in both directions. All of these are kept. Only where a material may be regularised
+//! ([`super::path_weights`]) need densities in both directions. All of these are kept. Only where a material may be regularised
 //! is it looked up again, for the tau that the rest of the path leaves it.
 //!
 //! Hosts only, because it takes storage for every vertex of both subpaths.
 
 use super::evaluation::Interaction;
+use super::path_weights::{InnerVertex, LightStart};
 use super::shading_point::ShadingPoint;
 use super::spread::{emission_bound, mean_curvature};
 use super::strategies::Strategies;
 use super::vertex::PathVertex;
 use super::walk::Walk;
-use super::whole_weights::{InnerVertex, LightStart};
 use crate::bsdf::{event, lobe, mode};
 use crate::regularize::bandwidth::TAU_MAX;
 use crate::regularize::both_ways;
@@ -102,7 +102,7 @@ impl PathNode {
     pub fn new(
         tables: &Tables<'_>,
         strategies: &Strategies,
-        own: &Regularization,
+        regularization: &Regularization,
         walk: &Walk,
         hit: &Hit,
         at: &Interaction<'_>,
@@ -121,7 +121,7 @@ impl PathNode {
                 first_bound: 0.0,
                 any_raised: false,
             },
-            is_raised: both_ways::is_raised(at.bsdf, own.tau),
+            is_raised: both_ways::is_raised(at.bsdf, regularization.tau),
             bounds: [false, true].map(|transmits| mixture_bound(at.bsdf, transmits)),
             curvature: mean_curvature(at.point),
             start: LightStart::NONE,
@@ -183,7 +183,7 @@ impl PathNode {
     pub fn record_scattering(
         &mut self,
         tables: &Tables<'_>,
-        own: &Regularization,
+        regularization: &Regularization,
         at: &Interaction<'_>,
         walk: &Walk,
     ) {
@@ -199,11 +199,11 @@ impl PathNode {
             is_discrete,
             is_one_way: is_discrete && has_one_way(tables, at, wo),
         };
-        let hat = at.regularized(self.tau, own.flags);
+        let hat = at.regularized(self.tau, regularization.flags);
         let is_regularized = !is_light_walk && hat.is_regularized();
         if is_regularized || !is_discrete {
-            let own = if is_regularized { hat } else { *at };
-            let both = own.eval_cosine_pdf_both(tables, wo, is_light_walk);
+            let evaluated = if is_regularized { hat } else { *at };
+            let both = evaluated.eval_cosine_pdf_both(tables, wo, is_light_walk);
             self.scattering.pdf = if is_light_walk {
                 [both.pdf_reverse, both.pdf]
             } else {
@@ -223,7 +223,7 @@ impl PathNode {
     pub fn inner_vertex_below(
         &self,
         tables: &Tables<'_>,
-        own: &Regularization,
+        regularization: &Regularization,
         tau: f32,
         site: &mut ShadingPoint,
     ) -> InnerVertex {
@@ -232,7 +232,9 @@ impl PathNode {
             return vertex;
         }
         let direction = self.vertex.look_up(tables, site);
-        let at = site.interaction(direction).regularized(tau, own.flags);
+        let at = site
+            .interaction(direction)
+            .regularized(tau, regularization.flags);
         if at.is_regularized() {
             let wo = at.point.frame.to_local(self.scattering.direction);
             let both = at.eval_cosine_pdf_both(tables, wo, true);

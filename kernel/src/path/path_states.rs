@@ -11,7 +11,8 @@
 //! them divide every contribution, to rounding.
 
 use super::evaluation::Interaction;
-use super::expression::{Automaton, DEAD, MAX_PARTS, PathExpressions, START, scattering};
+use super::expression::{Automaton, DEAD, PathExpressions, START, scattering};
+use super::expression_shares::{EmitterMatches, Shares, add_to_parts};
 use super::scattered::Scattered;
 use crate::math::Rgb;
 use crate::scene::{NONE, SurfacePoint};
@@ -126,12 +127,18 @@ impl PathStates {
         &self,
         expressions: &PathExpressions<'_>,
         automaton: &Automaton<'_>,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
     ) -> PathStates {
         let mut next = PathStates::DEAD;
         for i in 0..self.count as usize {
-            next.step(expressions, automaton, place, scattered, self.entries[i]);
+            next.step(
+                expressions,
+                automaton,
+                first_letter,
+                scattered,
+                self.entries[i],
+            );
         }
         next
     }
@@ -160,26 +167,26 @@ impl PathStates {
         &mut self,
         expressions: &PathExpressions<'_>,
         automaton: &Automaton<'_>,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
     ) {
         let kind = scattered.kind();
         if kind != NONE && self.count == 1 {
-            let letter = expressions.letter(place, kind);
+            let letter = expressions.letter(first_letter, kind);
             let state = automaton.after(self.entries[0].0, letter);
             self.entries[0].0 = state;
             self.count = (state != DEAD) as u32;
             return;
         }
         if self.count > 2 {
-            *self = self.after_at(expressions, automaton, place, scattered);
+            *self = self.after_at(expressions, automaton, first_letter, scattered);
             return;
         }
         let before = [self.entries[0], self.entries[1]];
         let count = self.count as usize;
         self.count = 0;
         for i in 0..count {
-            self.step(expressions, automaton, place, scattered, before[i]);
+            self.step(expressions, automaton, first_letter, scattered, before[i]);
         }
     }
 
@@ -189,13 +196,13 @@ impl PathStates {
         &mut self,
         expressions: &PathExpressions<'_>,
         automaton: &Automaton<'_>,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
         (state, weight): (u32, Rgb),
     ) {
         let side = u32::from(scattered.is_transmitted);
         let mut step = |kind: u32, share: Rgb| {
-            let letter = expressions.letter(place, kind + side);
+            let letter = expressions.letter(first_letter, kind + side);
             self.add(automaton.after(state, letter), weight * share);
         };
         if scattered.is_specular {
@@ -212,14 +219,20 @@ impl PathStates {
     pub fn matched_at_emitter(
         &self,
         expressions: &PathExpressions<'_>,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
         emitter: u32,
     ) -> EmitterMatches {
         if self.count != 1 || emitter == NONE {
             return EmitterMatches::NONE;
         }
-        EmitterMatches::of(expressions, self.entries[0], place, scattered, emitter)
+        EmitterMatches::of(
+            expressions,
+            self.entries[0],
+            first_letter,
+            scattered,
+            emitter,
+        )
     }
 
     /// Calls `add` with bits of expressions and their share where a walk from the sensor ends at an emitter.
@@ -290,138 +303,5 @@ impl PathStates {
             }
         }
         shares
-    }
-}
-
-/// The expressions that a walk with one state matches where it is lit: those of what is diffuse, or of all there is, and those of
-/// what is glossy beside.
-#[derive(Clone, Copy, Debug)]
-pub struct EmitterMatches {
-    /// Whether the rest says it.
-    pub is_known: bool,
-    /// Bits of the expressions.
-    pub bits: u32,
-    /// Their share.
-    pub weight: Rgb,
-    /// Bits of those of what is glossy.
-    pub glossy_bits: u32,
-    /// Their share.
-    pub glossy_weight: Rgb,
-}
-
-impl EmitterMatches {
-    /// It is not known.
-    pub const NONE: EmitterMatches = EmitterMatches {
-        is_known: false,
-        bits: 0,
-        weight: Vec3::ZERO,
-        glossy_bits: 0,
-        glossy_weight: Vec3::ZERO,
-    };
-
-    /// Of a walk in a state with a weight, at a [`PathExpressions::first_letter`].
-    #[inline]
-    pub fn of(
-        expressions: &PathExpressions<'_>,
-        (state, weight): (u32, Rgb),
-        place: u32,
-        scattered: &Scattered,
-        emitter: u32,
-    ) -> EmitterMatches {
-        let automaton = &expressions.from_sensor;
-        let last = expressions.emitters[emitter as usize];
-        let kind = scattered.kind();
-        if kind != NONE {
-            let next = automaton.after(state, expressions.letter(place, kind));
-            return EmitterMatches {
-                is_known: true,
-                bits: automaton.matched_with(next, last),
-                weight,
-                glossy_bits: 0,
-                glossy_weight: Vec3::ZERO,
-            };
-        }
-        let side = scattered.is_transmitted as u32;
-        let diffuse = expressions.letter(place, scattering::DIFFUSE_REFLECTION + side);
-        let glossy = expressions.letter(place, scattering::GLOSSY_REFLECTION + side);
-        EmitterMatches {
-            is_known: true,
-            bits: automaton.matched_with(automaton.after(state, diffuse), last),
-            weight: weight * scattered.diffuse,
-            glossy_bits: automaton.matched_with(automaton.after(state, glossy), last),
-            glossy_weight: weight * (Vec3::ONE - scattered.diffuse),
-        }
-    }
-}
-
-/// The share of each expression in the light of a path, per channel.
-#[derive(Clone, Copy, Debug)]
-pub struct Shares {
-    parts: [Rgb; MAX_PARTS],
-    /// Bits of those that are not zero.
-    bits: u32,
-}
-
-impl Shares {
-    /// Of none.
-    pub const NONE: Shares = Shares {
-        parts: [Vec3::ZERO; MAX_PARTS],
-        bits: 0,
-    };
-
-    /// Of light that has been divided into parts already.
-    pub fn of_parts(whole: Rgb, parts: &[Rgb]) -> Shares {
-        let mut shares = Shares::NONE;
-        for part in 0..parts.len() {
-            let own = parts[part];
-            if own.max_element() > 0.0 {
-                let share = |part: f32, whole: f32| if whole > 0.0 { part / whole } else { 0.0 };
-                shares.parts[part] = Vec3::new(
-                    share(own.x, whole.x),
-                    share(own.y, whole.y),
-                    share(own.z, whole.z),
-                );
-                shares.bits |= 1 << part;
-            }
-        }
-        shares
-    }
-
-    #[inline]
-    fn add(&mut self, count: u32, bits: u32, weight: Rgb) {
-        if bits == 0 {
-            return;
-        }
-        self.bits |= bits;
-        for part in 0..(count as usize).min(MAX_PARTS) {
-            if bits >> part & 1 != 0 {
-                self.parts[part] += weight;
-            }
-        }
-    }
-
-    /// Whether no expression has a share.
-    #[inline]
-    pub fn is_none(&self) -> bool {
-        self.bits == 0
-    }
-
-    /// The share of an expression.
-    #[inline]
-    pub fn of(&self, part: usize) -> Rgb {
-        self.parts[part]
-    }
-}
-
-/// Adds light to the sums of the expressions whose bits are set.
-#[inline]
-pub fn add_to_parts(bits: u32, light: Rgb, sums: &mut [Rgb]) {
-    if bits == 0 {
-        return;
-    }
-    for part in 0..sums.len() {
-        if bits >> part & 1 != 0 {
-            sums[part] += light;
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! How many photons a pass finds around a point, as the weights of merging need to know.
 //!
-//! Merging counts in the weights as if each of the n photons of a pass were a sample of the whole path (see
+//! Merging counts in the weights as if each of the n photons of a pass were a sample of the full path (see
 //! [`super::weight`]). They share one camera subpath: where many are found, the noise of their sum is that of the camera
 //! subpath, and more of them do not make it less. With f the part of the integrand that merging at x makes, p_c the density of
 //! the camera subpath, p_l that of the photon's, A = pi r^2, and rho the photons per area and light walk, the second moment

@@ -114,7 +114,7 @@ pub fn label(bits: u32) -> u32 {
 #[derive(Clone, Copy, Debug)]
 pub struct VertexReading {
     /// [`PathExpressions::first_letter`].
-    pub place: u32,
+    pub first_letter: u32,
     /// What happens there.
     pub scattered: Scattered,
     /// About the edits of the walk's own flow.
@@ -220,7 +220,7 @@ impl EditStates {
     fn steps(
         &self,
         edits: &Edits<'_>,
-        place: u32,
+        first_letter: u32,
         kinds: &[(u32, Rgb)],
         other: Choice,
         mut take: impl FnMut(u32, u64, Rgb),
@@ -232,7 +232,7 @@ impl EditStates {
                 if !(weight.max_element() > 0.0) {
                     continue;
                 }
-                let letter = edits.words.letter(place, *kind);
+                let letter = edits.words.letter(first_letter, *kind);
                 let mut wanted = 0;
                 for q in 0..waits.matched.len().min(MAX_STATES) {
                     let after = waits.after(q as u32, letter);
@@ -252,15 +252,15 @@ impl EditStates {
     #[must_use]
     pub fn after(&self, edits: &Edits<'_>, reading: &VertexReading) -> EditStates {
         let mut next = EditStates::none(self.flow);
-        let own = edits.automaton(self.flow);
+        let automaton = edits.automaton(self.flow);
         let kinds = kinds(&reading.scattered);
         self.steps(
             edits,
-            reading.place,
+            reading.first_letter,
             &kinds,
             reading.other,
             |state, wanted, weight| {
-                if reading.own.is_right(own.matched[state as usize]) {
+                if reading.own.is_right(automaton.matched[state as usize]) {
                     next.add(state, wanted, weight);
                 }
             },
@@ -273,20 +273,20 @@ impl EditStates {
     pub fn own_labels(
         &self,
         edits: &Edits<'_>,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
         other: Choice,
         within: u32,
     ) -> [f32; super::retarget::MAX_EDITS + 1] {
         let mut weights = [0.0; super::retarget::MAX_EDITS + 1];
-        let own = edits.automaton(self.flow);
+        let automaton = edits.automaton(self.flow);
         self.steps(
             edits,
-            place,
+            first_letter,
             &kinds(scattered),
             other,
             |state, _, weight| {
-                let label = label(own.matched[state as usize] & within);
+                let label = label(automaton.matched[state as usize] & within);
                 weights[label as usize] += luminance(weight);
             },
         );
@@ -295,13 +295,25 @@ impl EditStates {
 
     /// Whether some path counts that has the choice `other` at a vertex which may scatter by the kinds in the bits `may` (of
     /// [`scattering`]).
-    pub fn may_choose(&self, edits: &Edits<'_>, place: u32, may: u32, other: Choice) -> bool {
+    pub fn may_choose(
+        &self,
+        edits: &Edits<'_>,
+        first_letter: u32,
+        may: u32,
+        other: Choice,
+    ) -> bool {
         let mut is_some = false;
         for kind in 0..scattering::COUNT {
             if may >> kind & 1 != 0 && !is_some {
-                self.steps(edits, place, &[(kind, Vec3::ONE)], other, |_, _, _| {
-                    is_some = true;
-                });
+                self.steps(
+                    edits,
+                    first_letter,
+                    &[(kind, Vec3::ONE)],
+                    other,
+                    |_, _, _| {
+                        is_some = true;
+                    },
+                );
             }
         }
         is_some

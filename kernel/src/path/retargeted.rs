@@ -75,10 +75,10 @@ impl IncomingDirection {
         back: Vec3,
     ) -> ArrayVec<IncomingDirection, { MAX_EDITS + 1 }> {
         let other = 1 - states.flow();
-        let (place, may) = (edits.words.first_letter(point), scattering_kinds(bsdf));
+        let (first_letter, may) = (edits.words.first_letter(point), scattering_kinds(bsdf));
         (0..=edits.list.len().min(MAX_EDITS) as u32)
             .filter_map(|label| IncomingDirection::labelled(edits, other, point, back, label))
-            .filter(|incoming| states.may_choose(edits, place, may, incoming.choice))
+            .filter(|incoming| states.may_choose(edits, first_letter, may, incoming.choice))
             .collect()
     }
 
@@ -197,6 +197,25 @@ impl RedirectedSample {
     }
 }
 
+impl<'a> Retargeted<'a> {
+    /// At a vertex to which a walk has come, evaluated in directions that no edit turns.
+    pub fn new(edits: &'a Edits<'a>, states: &'a EditStates, incoming: IncomingDirection) -> Self {
+        Retargeted {
+            edits,
+            states,
+            incoming,
+            label: 0,
+            is_free: false,
+        }
+    }
+
+    /// The same vertex, evaluated in directions that the edit of the label has turned.
+    #[must_use]
+    pub fn labelled(self, label: u32) -> Self {
+        Retargeted { label, ..self }
+    }
+}
+
 impl Retargeted<'_> {
     /// The edit of the label.
     fn edit(&self) -> Option<&Edit> {
@@ -236,7 +255,7 @@ impl Retargeted<'_> {
             choice(self.edits, self.states.flow(), point, before, self.label)
         };
         VertexReading {
-            place: self.edits.words.first_letter(point),
+            first_letter: self.edits.words.first_letter(point),
             scattered,
             own,
             other: self.incoming.choice,
@@ -256,10 +275,10 @@ impl Retargeted<'_> {
         scattered: &Scattered,
         within: u32,
     ) -> [f32; MAX_EDITS + 1] {
-        let place = self.edits.words.first_letter(point);
+        let first_letter = self.edits.words.first_letter(point);
         let other = self.incoming.choice;
         self.states
-            .own_labels(self.edits, place, scattered, other, within)
+            .own_labels(self.edits, first_letter, scattered, other, within)
     }
 
     /// The probability with which [`Retargeted::redirect`] gives the label to a sample that the BSDF knows as `before`.

@@ -1,7 +1,7 @@
 //! Discrete events of a material, found again for a pair of directions: what it does there, and with which probability.
 //!
-//! Whole paths keep the kind of an event (reflection or transmission), not the lobe; the value is the sum over the lobes that
-//! have an event of that kind in the same direction. Hosts only, as whole paths are.
+//! Full paths keep the kind of an event (reflection or transmission), not the lobe; the value is the sum over the lobes that
+//! have an event of that kind in the same direction. Hosts only, as full paths are.
 
 use super::discrete_event::discrete_of_lobe;
 use crate::bsdf::{Bsdf, lobe};

@@ -234,12 +234,12 @@ impl Interfaces {
         if !self.has_kinds_of(&line) {
             return false;
         }
-        let mut own = *self;
+        let mut chain = *self;
         for i in 1..self.len - 1 {
             // The frames of half vectors are built around the same vectors.
-            own.vertices[i].reference = line.vertices[i].reference;
+            chain.vertices[i].reference = line.vertices[i].reference;
         }
-        let jacobian = own.jacobian();
+        let jacobian = chain.jacobian();
         if !jacobian.valid {
             return false;
         }

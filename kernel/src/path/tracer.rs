@@ -1,18 +1,18 @@
-//! Edges of whole paths: those that are traced along sampled directions, and those that are tested.
+//! Edges of full paths: those that are traced along sampled directions, and those that are tested.
 //!
 //! Where light may pass straight through a surface, a walk passes with the largest channel of the transmittance as probability;
 //! the probabilities of all that it passed and that of standing where it ended are kept, because they are the same in both directions.
 //! What stands in the way of a connection dims it.
 //!
-//! Hosts only, as [`super::whole`].
+//! Hosts only, as [`super`].
 
+use super::full_path::Path;
+use super::full_path::edited::EditedWalk;
+use super::full_path::vertex::{Edge, SMOOTH, Vertex, p_through};
 use super::remainder::Remainder;
 use super::retarget_states::Edits;
 use super::rules::PathRules;
 use super::visibility::{MAX_NULL_CROSSINGS, pass_through};
-use super::whole::Path;
-use super::whole_edited::EditedWalk;
-use super::whole_vertex::{Edge, SMOOTH, Vertex, p_through};
 use crate::bsdf::{Bsdf, event, mode};
 use crate::math::Ray;
 use crate::sampler::Sampler;
@@ -35,8 +35,8 @@ pub struct Tracer<'a, T: Traverse> {
     pub view: &'a SceneView<'a, T>,
     /// The rules.
     pub rules: PathRules,
-    /// What path tracing beside it leaves, if there is such.
-    pub beside: Option<Remainder>,
+    /// What path tracing leaves to chains, where both render an image together.
+    pub remainder: Option<Remainder>,
     /// The edits of the scene's light transport.
     pub edits: Option<&'a Edits<'a>>,
 }
@@ -66,7 +66,7 @@ impl<'a, T: Traverse> Tracer<'a, T> {
         if !path.evaluate_and(tables, &self.rules, self.edits, bsdf, visit) {
             return false;
         }
-        let Some(remainder) = &self.beside else {
+        let Some(remainder) = &self.remainder else {
             return true;
         };
         // Path tracing blurs nothing.

@@ -152,7 +152,7 @@ impl PartialWeights {
     /// The sum over all strategies with a shorter subpath, for the strategy that merges at this vertex; `pdf_reverse` as in
     /// [`PartialWeights::sum`].
     #[inline]
-    pub fn beside_merging(self, h: Heuristic, pdf_reverse: f32) -> f32 {
+    pub fn shorter_over_merged(self, h: Heuristic, pdf_reverse: f32) -> f32 {
         finite(self.shorter(h, pdf_reverse) * h.of(1.0 / h.merging))
     }
 }

@@ -16,7 +16,7 @@ use super::settings::IntegratorSettings;
 use crate::bsdf::Bsdf;
 use crate::math::{Ray, Rgb};
 use crate::path::expression::{DEAD, START};
-use crate::path::path_states::EmitterMatches;
+use crate::path::expression_shares::EmitterMatches;
 use crate::path::{PathExpressions, PathStates, Scattered};
 use crate::sampler::Sampler;
 use crate::scene::{NONE, SceneView, Traverse};
@@ -68,16 +68,22 @@ impl Mixture {
         &mut self,
         expressions: &PathExpressions<'_>,
         state: u32,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
         emitter: u32,
     ) -> bool {
         let is_only = expressions.only != 0;
         self.matched_at_emitter = if state == SEVERAL {
             self.states
-                .matched_at_emitter(expressions, place, scattered, emitter)
+                .matched_at_emitter(expressions, first_letter, scattered, emitter)
         } else {
-            EmitterMatches::of(expressions, (state, Vec3::ONE), place, scattered, emitter)
+            EmitterMatches::of(
+                expressions,
+                (state, Vec3::ONE),
+                first_letter,
+                scattered,
+                emitter,
+            )
         };
         self.lit_emitter = NONE;
         if self.matched_at_emitter.is_known {
@@ -88,7 +94,7 @@ impl Mixture {
         let automaton = &expressions.from_sensor;
         self.lit = self.states;
         self.lit
-            .advance_at(expressions, automaton, place, scattered);
+            .advance_at(expressions, automaton, first_letter, scattered);
         !is_only || !self.lit.reach_emitter(expressions, emitter).is_none()
     }
 }
@@ -165,7 +171,7 @@ impl DividedPath {
         &mut self,
         expressions: &PathExpressions<'_>,
         mixture: &mut Mixture,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
         emitter: u32,
     ) -> bool {
@@ -173,11 +179,11 @@ impl DividedPath {
         self.is_lit_mixed = self.state == SEVERAL || kind == NONE && emitter != NONE;
         self.lit_bits = 0;
         if self.is_lit_mixed {
-            return mixture.sampled(expressions, self.state, place, scattered, emitter);
+            return mixture.sampled(expressions, self.state, first_letter, scattered, emitter);
         }
         if emitter != NONE {
             let automaton = &expressions.from_sensor;
-            let state = automaton.after(self.state, expressions.letter(place, kind));
+            let state = automaton.after(self.state, expressions.letter(first_letter, kind));
             let last = expressions.emitters[emitter as usize];
             self.lit_bits = automaton.matched_with(state, last);
         }
@@ -214,13 +220,13 @@ impl DividedPath {
         &mut self,
         expressions: &PathExpressions<'_>,
         mixture: &mut Mixture,
-        place: u32,
+        first_letter: u32,
         scattered: &Scattered,
     ) -> bool {
         let automaton = &expressions.from_sensor;
         let kind = scattered.kind();
         if self.state != SEVERAL && kind != NONE {
-            self.state = automaton.after(self.state, expressions.letter(place, kind));
+            self.state = automaton.after(self.state, expressions.letter(first_letter, kind));
             return expressions.only == 0 || self.state != DEAD;
         }
         if self.state != SEVERAL {
@@ -229,7 +235,7 @@ impl DividedPath {
         }
         mixture
             .states
-            .advance_at(expressions, automaton, place, scattered);
+            .advance_at(expressions, automaton, first_letter, scattered);
         expressions.only == 0 || !mixture.states.is_dead()
     }
 
@@ -261,14 +267,14 @@ impl DividedPath {
             return;
         }
         let wi = point.frame.to_local(-direction);
-        let place = expressions.first_letter(point);
+        let first_letter = expressions.first_letter(point);
         if is_lit {
             let wo = point.frame.to_local(driver.light.direction);
             let scattered = Scattered::smooth(driver.bsdf, data, wi, wo);
             if !self.sampled(
                 expressions,
                 mixture,
-                place,
+                first_letter,
                 &scattered,
                 driver.light.emitter,
             ) {
@@ -278,7 +284,7 @@ impl DividedPath {
         if goes_on {
             let sample = &driver.sample;
             let scattered = Scattered::sampled(driver.bsdf, data, wi, sample.wo, sample.event);
-            if !self.scattered(expressions, mixture, place, &scattered) {
+            if !self.scattered(expressions, mixture, first_letter, &scattered) {
                 driver.next = step::END;
             }
         }

@@ -86,8 +86,8 @@ pub fn record_paths<T: Traverse, S: Sampler>(
                     tables.info.environment
                 };
                 let of = expressions.zip(states.as_ref());
-                let own = share(of.map(|(e, s)| s.reach_emitter(e, emitter)));
-                let light = found * own * weight;
+                let part = share(of.map(|(e, s)| s.reach_emitter(e, emitter)));
+                let light = found * part * weight;
                 let (position, kind) = if driver.hit.is_hit() {
                     (driver.point.position, vertex_kind::LIGHT)
                 } else {
@@ -109,11 +109,11 @@ pub fn record_paths<T: Traverse, S: Sampler>(
                 let wo = point.frame.to_local(driver.light.direction);
                 let scattered = Scattered::smooth(driver.bsdf, tables.data, wi, wo);
                 let light = &driver.light;
-                let own = expressions.zip(states.as_ref()).map(|(e, s)| {
+                let shares = expressions.zip(states.as_ref()).map(|(e, s)| {
                     let after = s.after(e, &e.from_sensor, point, &scattered);
                     after.reach_emitter(e, light.emitter)
                 });
-                behind = Some((scattered, share(own)));
+                behind = Some((scattered, share(shares)));
             }
         });
         let found = core::mem::take(&mut driver.path.radiance);
@@ -123,8 +123,8 @@ pub fn record_paths<T: Traverse, S: Sampler>(
             object: driver.point.shape,
             throughput: (subpath.throughput * weight).to_array(),
         };
-        if let Some((scattered, own)) = &behind {
-            let light = found * *own * weight;
+        if let Some((scattered, part)) = &behind {
+            let light = found * *part * weight;
             if light.max_element() > 0.0 {
                 let sampled = &driver.light;
                 let is_infinite = sampled.distance == f32::MAX;

@@ -38,14 +38,14 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
     /// Passes on what a chosen light adds.
     pub(super) fn connect(&mut self, light: &DirectSample) {
         let is_regularized = self.interaction().is_regularized();
-        let mut own = BsdfSample::NONE;
+        let mut sample = BsdfSample::NONE;
         if self.has(flag::VIRTUAL_MERGE) && is_regularized && light.is_some() {
             let u1 = self.single.sampler.next_1d();
             let u2 = self.single.sampler.next_2d();
             let at = self.interaction();
-            own = at.bsdf.sample(self.single.view.tables.data, at.wi, u1, u2);
+            sample = at.bsdf.sample(self.single.view.tables.data, at.wi, u1, u2);
         }
-        let (mut ray, share) = self.contribution(light, &own);
+        let (mut ray, share) = self.contribution(light, &sample);
         ray.radiance = self.single.path.subpath.throughput * ray.radiance;
         if ray.is_some() {
             (self.shadows)(&ray, share);
@@ -55,7 +55,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
     fn contribution(
         &self,
         light: &DirectSample,
-        own: &BsdfSample,
+        sample: &BsdfSample,
     ) -> (ShadowRay, RegularizedShare) {
         let none = (ShadowRay::NONE, RegularizedShare::NONE);
         if !light.is_some() {
@@ -68,7 +68,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
             return none;
         }
         if !at.is_regularized() || !self.has(flag::QUALITY) {
-            return self.weighted(light, &at, wo, own);
+            return self.weighted(light, &at, wo, sample);
         }
         let rho = mixture_bound(at.bsdf, at.wi.z * wo.z < 0.0);
         let length = self.arrived.length;
@@ -79,7 +79,9 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
         let mut ray = ShadowRay::NONE;
         for (of, tau) in [(share, self.tau), (1.0 - share, TAU_MAX)] {
             if of > 0.0 {
-                ray = self.weighted(light, &Interaction { tau, ..at }, wo, own).0;
+                ray = self
+                    .weighted(light, &Interaction { tau, ..at }, wo, sample)
+                    .0;
                 sum += ray.radiance * of;
                 if tau < TAU_MAX {
                     part = sum;
@@ -96,14 +98,14 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
         light: &DirectSample,
         at: &Interaction<'_>,
         wo: Vec3,
-        own: &BsdfSample,
+        sample: &BsdfSample,
     ) -> (ShadowRay, RegularizedShare) {
         let tables = &self.single.view.tables;
         let is_merged = self.has(flag::VIRTUAL_MERGE) && at.is_regularized();
         let (mut value, pdf) = if !is_merged {
             at.eval_cosine_pdf(tables, wo)
-        } else if own.wo.z * wo.z > 0.0 && own.event & event::NULL == 0 {
-            let merged = virtual_merge(own, wo, at.tau);
+        } else if sample.wo.z * wo.z > 0.0 && sample.event & event::NULL == 0 {
+            let merged = virtual_merge(sample, wo, at.tau);
             (merged.value, merged.pdf)
         } else {
             (Rgb::ZERO, 0.0)
@@ -112,18 +114,18 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
             share: if at.is_regularized() { 1.0 } else { 0.0 },
             blur: at.blur(),
         };
-        let own = &self.regularization;
-        if own.radius > 0.0 && light.is_delta != 0 {
+        let regularization = &self.regularization;
+        if regularization.radius > 0.0 && light.is_delta != 0 {
             let distance = if light.distance < f32::MAX {
                 light.distance
             } else {
                 tables.info.radius
             };
-            let blur = Blur::new(own.kernel, own.radius, distance);
+            let blur = Blur::new(regularization.kernel, regularization.radius, distance);
             let rules = &self.single.rules;
             let blurred = mollified(at, tables, rules, mode::RADIANCE, light.direction, blur);
             value += blurred;
-            share = RegularizedShare::new(blurred, value, own.radius);
+            share = RegularizedShare::new(blurred, value, regularization.radius);
         }
         let ray = weighted_contribution(light, at.point, SampleCounts::ONE, value, pdf);
         (ray, share)

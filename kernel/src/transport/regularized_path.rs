@@ -188,9 +188,9 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Shading
             if self.regularization.half_tangent > 0.0 {
                 let wi = self.single.path.subpath.local_direction(&self.single.point);
                 let data = self.single.view.tables.data;
-                let own = &self.regularization;
+                let regularization = &self.regularization;
                 self.single.bsdf.sharpen(data, wi, |lobe| {
-                    is_near_specular(lobe, own.quantile, own.half_tangent)
+                    is_near_specular(lobe, regularization.quantile, regularization.half_tangent)
                 });
             }
             let path = &self.single.path;

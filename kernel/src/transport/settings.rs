@@ -27,7 +27,7 @@ pub mod integrator_kind {
     pub const MANIFOLD_BIDIRECTIONAL: u32 = 6;
     /// Metropolis chains in the space of primary samples (`transport/markov`).
     pub const PRIMARY_SAMPLE_MLT: u32 = 8;
-    /// Metropolis chains of whole paths (`transport/markov/veach`).
+    /// Metropolis chains of full paths (`transport/markov/veach`).
     pub const VEACH_MLT: u32 = 9;
     /// Progressive photon mapping (`transport/photon/progressive.rs`).
     pub const PROGRESSIVE_PHOTONS: u32 = 16;
@@ -58,7 +58,7 @@ pub struct IntegratorSettings {
     /// Of Metropolis chains.
     pub chains: ChainSettings,
     /// Of regularisation, in the algorithms that connect subpaths: [`integrator_kind::PATH`], [`integrator_kind::BIDIRECTIONAL`],
-    /// [`integrator_kind::VERTEX_MERGING`], and Markov chains over bidirectional path tracing and of whole paths.
+    /// [`integrator_kind::VERTEX_MERGING`], and Markov chains over bidirectional path tracing and of full paths.
     pub regularization: RegularizationSettings,
 }
 
@@ -99,12 +99,12 @@ pub struct ChainSettings {
     /// Mutations per pixel of a group; 0 for as few as make 2^20 in all.
     pub mutations: u32,
     /// Samples per pixel of a group for direct illumination, which chains then leave out; 0 if chains find all (Mitsuba 0.6:
-    /// `directSamples`). [`ChainSettings::SOME`] for as many as are worth it, and chains of whole paths then leave to path tracing
+    /// `directSamples`). [`ChainSettings::SOME`] for as many as are worth it, and chains of full paths then leave to path tracing
     /// all that it finds well ([`crate::path::remainder`]).
     pub direct_samples: u32,
     /// Mutations of a chain; 0 for those of the group over its chains (Mitsuba 0.6: `chainLength`).
     pub chain_length: u32,
-    /// Weight of the bidirectional mutation of whole paths in the choice among those that a path allows.
+    /// Weight of the bidirectional mutation of full paths in the choice among those that a path allows.
     pub bidirectional_weight: f32,
     /// Of the lens perturbation.
     pub lens_weight: f32,
@@ -129,7 +129,7 @@ pub struct ChainSettings {
 
 /// What the half-vector mutation does otherwise than by default: bits.
 pub mod half_vector_flag {
-    /// The whole path moves in half-vector space, as in the original method, instead of breaking up.
+    /// The full path moves in half-vector space, as in the original method, instead of breaking up.
     pub const ORIGINAL: u32 = 1;
     /// Steps from the largest roughness of a material instead of the local one.
     pub const GLOBAL_ROUGHNESS: u32 = 2;

@@ -1,6 +1,6 @@
 //! Path tracing and direct illumination in stages, with the state of every path in a buffer between them.
 //!
-//! A shader that holds a whole path is large: compilers of graphics drivers copy every function to its callers, and all
+//! A shader that holds a full path is large: compilers of graphics drivers copy every function to its callers, and all
 //! scattering models are called from several places. Here each function is one stage of [`super::bounce`] for one path, which
 //! a front end runs over all paths before the next (Laine, Karras and Aila 2013, "Megakernels Considered Harmful"). Stages
 //! find the surface point and the BSDF again from the hit rather than storing them, and leave paths alone whose step is

@@ -20,7 +20,7 @@ pub struct ChainArgs {
     /// (pssmlt, mmlt, mlt, memlt, hslt, erpt, meerpt).
     #[arg(long)]
     pub two_stage: bool,
-    /// The half-vector mutation that breaks paths up, or the original one of whole paths (hslt).
+    /// The half-vector mutation that breaks paths up, or the original one of full paths (hslt).
     #[arg(long, value_name = "NAME")]
     pub hslt: Option<HalfVectorName>,
     /// Steps of half vectors from the roughness at a pair of directions, or from the largest of a material (hslt).
@@ -71,15 +71,15 @@ impl ChainArgs {
                     .to_string(),
             );
         }
-        let own = &mut scene.settings.chains;
+        let settings = &mut scene.settings.chains;
         if let Some(samples) = self.direct_samples {
-            own.direct_samples = samples;
+            settings.direct_samples = samples;
         }
         if self.two_stage {
-            own.two_stage = 1;
+            settings.two_stage = 1;
         }
         if let Some(chains) = self.chains {
-            own.chains = chains;
+            settings.chains = chains;
         }
         let choices = [
             (
@@ -97,15 +97,15 @@ impl ChainArgs {
         ];
         for (choice, flag) in choices {
             let Some(is_set) = choice else { continue };
-            if !(own.half_vector_weight > 0.0) {
+            if !(settings.half_vector_weight > 0.0) {
                 return Err(
                     "--hslt, --roughness and --half-vectors are for the half-vector mutation (--integrator hslt)"
                         .to_string(),
                 );
             }
-            own.half_vector_flags &= !flag;
+            settings.half_vector_flags &= !flag;
             if is_set {
-                own.half_vector_flags |= flag;
+                settings.half_vector_flags |= flag;
             }
         }
         Ok(())

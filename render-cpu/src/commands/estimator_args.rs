@@ -65,18 +65,18 @@ impl EstimatorArgs {
                     .to_string(),
             );
         }
-        let own = &mut scene.settings.bidirectional;
+        let bidirectional = &mut scene.settings.bidirectional;
         if let Some(name) = self.heuristic {
-            own.power_heuristic = (name == HeuristicName::Power).into();
+            bidirectional.power_heuristic = (name == HeuristicName::Power).into();
         }
         if let Some([s, t]) = self.strategies {
             let all = halflight_kernel::scene::NONE;
-            own.only_s = s.unwrap_or(all);
-            own.only_t = t.unwrap_or(all);
+            bidirectional.only_s = s.unwrap_or(all);
+            bidirectional.only_t = t.unwrap_or(all);
         }
-        own.unweighted = self.unweighted.into();
+        bidirectional.unweighted = self.unweighted.into();
         if let Some(connections) = self.connections {
-            own.connections = connections;
+            bidirectional.connections = connections;
         }
         Ok(())
     }

@@ -244,8 +244,8 @@ fn luminances(picture: &Picture) -> Vec<f64> {
 
 /// A value of a sorted list that so much of it is below.
 fn percentile(sorted: &[f64], share: f64) -> f64 {
-    let place = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-    sorted.get(place).copied().unwrap_or(0.0)
+    let index = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
+    sorted.get(index).copied().unwrap_or(0.0)
 }
 
 /// The next value above with two digits, which a legend can show; one for what is not positive.

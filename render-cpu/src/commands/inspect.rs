@@ -142,8 +142,8 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
                 traverse: &traverse,
             };
             let expressions = parts.view();
-            let own = &args.volume;
-            let volume = own.measure(&view, &scene, expressions.as_ref(), args.seed)?;
+            let volume_args = &args.volume;
+            let volume = volume_args.measure(&view, &scene, expressions.as_ref(), args.seed)?;
             let film = volume.film(&view, &scene, args.spp, args.seed)?;
             let values = volume.luminance();
             let sum: f64 = values.iter().map(|v| f64::from(*v)).sum();

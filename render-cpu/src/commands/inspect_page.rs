@@ -105,9 +105,9 @@ pub(super) fn run(
         );
         plots.push((probe, plot));
     }
-    let own = &args.volume;
-    let volume = match own.bounds {
-        Some(_) => Some(own.measure(&view, &scene, parts.view().as_ref(), args.seed)?),
+    let volume_args = &args.volume;
+    let volume = match volume_args.bounds {
+        Some(_) => Some(volume_args.measure(&view, &scene, parts.view().as_ref(), args.seed)?),
         None => None,
     };
     let file = args.scene.scene.file_name().unwrap_or_default();
@@ -119,7 +119,7 @@ pub(super) fn run(
         irradiance: Some(&irradiance),
         record: &record,
         plots: &plots,
-        volume: volume.as_ref().map(|volume| (volume, own.walks)),
+        volume: volume.as_ref().map(|volume| (volume, volume_args.walks)),
         most_triangles: args.page.triangles as usize,
     };
     write_atomically(&args.output, |stream| page.write(&view, stream))?;

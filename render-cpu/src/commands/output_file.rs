@@ -39,9 +39,9 @@ pub fn check<'a>(
             return wrong("it is read-only".into());
         }
     }
-    let own = identity(output);
+    let output_identity = identity(output);
     for input in inputs {
-        if own == identity(input) {
+        if output_identity == identity(input) {
             return wrong(format!(
                 "it would replace {}, which is read",
                 input.display()

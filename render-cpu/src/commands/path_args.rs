@@ -153,8 +153,8 @@ impl PathArgs {
             .collect();
         // Of each path, the group that its cluster is.
         let mut group_of = vec![0; record.paths.len()];
-        for (group, own) in paths.iter().enumerate() {
-            own.iter().for_each(|p| group_of[*p as usize] = group);
+        for (group, members) in paths.iter().enumerate() {
+            members.iter().for_each(|p| group_of[*p as usize] = group);
         }
         // Arrows of what hardly adds light would hide all others.
         let least = LEAST_SHARE * tree.root.weight;

@@ -50,12 +50,12 @@ impl PhotonArgs {
         if self.nearest.is_some() && self.radius.is_some() {
             return Err("--nearest and --radius both say what the first radius is".to_string());
         }
-        let own = &mut scene.settings.photon;
-        own.photon_count = self.photons.unwrap_or(own.photon_count);
-        own.initial_radius = self.radius.unwrap_or(own.initial_radius);
+        let photon = &mut scene.settings.photon;
+        photon.photon_count = self.photons.unwrap_or(photon.photon_count);
+        photon.initial_radius = self.radius.unwrap_or(photon.initial_radius);
         if let Some(nearest) = self.nearest {
-            own.nearest = nearest;
-            own.initial_radius = 0.0;
+            photon.nearest = nearest;
+            photon.initial_radius = 0.0;
         }
         Ok(())
     }

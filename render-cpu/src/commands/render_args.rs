@@ -82,8 +82,10 @@ pub struct RenderArgs {
 impl RenderArgs {
     /// The layers of the image: those that are asked for, here or in the scene, and the number of samples.
     pub(super) fn layers(&self, scene: &Scene) -> AovSet {
-        let own = own_layers(scene.settings.kind);
-        self.asked_layers(scene).union(own).with(Aov::Samples)
+        let of_algorithm = own_layers(scene.settings.kind);
+        self.asked_layers(scene)
+            .union(of_algorithm)
+            .with(Aov::Samples)
     }
 
     /// The layers that are asked for, here or in the scene.

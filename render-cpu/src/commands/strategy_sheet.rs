@@ -103,8 +103,11 @@ pub fn run(
         tracing::warn!("interrupted before the first sample; {name} is left as it was");
         return Ok(ExitCode::from(EXIT_INTERRUPTED));
     }
-    let own = &scene.settings.bidirectional;
-    let weights = match (own.unweighted != 0, own.power_heuristic != 0) {
+    let bidirectional = &scene.settings.bidirectional;
+    let weights = match (
+        bidirectional.unweighted != 0,
+        bidirectional.power_heuristic != 0,
+    ) {
         (true, _) => "unweighted",
         (false, true) => "weighted by the power heuristic",
         (false, false) => "weighted by the balance heuristic",

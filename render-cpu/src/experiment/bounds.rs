@@ -50,10 +50,10 @@ fn direction(z: f64, azimuth: f64) -> Vec3 {
 fn mirrored(x: &[f64; 5]) -> (Vec3, Vec3) {
     let z = |u: f64| 1e-6_f64.powf(u);
     let azimuth = std::f64::consts::TAU * x[2];
-    let beside = if x[3] > 0.9 { 0.0 } else { 1e-7_f64.powf(x[3]) } * (x[4] - 0.5);
+    let offset = if x[3] > 0.9 { 0.0 } else { 1e-7_f64.powf(x[3]) } * (x[4] - 0.5);
     let wi = direction(z(x[0]), azimuth);
     let zo = if x[4] > 0.8 { z(x[0]) } else { z(x[1]) };
-    (wi, direction(zo, azimuth + std::f64::consts::PI + beside))
+    (wi, direction(zo, azimuth + std::f64::consts::PI + offset))
 }
 
 /// The pair that a facet refracts. Its slope, and that of directions near the normal, are multiples of `alpha`: the peak of

@@ -1,6 +1,6 @@
 //! Tables 8.1 and 8.2 of Kaplanyan 2017 on a scene: what walks of the half-vector mutation and of manifold exploration come to.
 //!
-//! Chains of the bidirectional mutation and one other, from the same starts: the half-vector mutation of whole paths with projections
+//! Chains of the bidirectional mutation and one other, from the same starts: the half-vector mutation of full paths with projections
 //! from the end that the method chooses, from the light and from the sensor; the one that breaks paths up; manifold exploration
 //! in all directions, towards the sensor and towards the light. Walks are those of the forward direction; a walk is constructed when it
 //! has found a path, and not reversible when the walk back from it leads elsewhere.
@@ -50,7 +50,7 @@ pub type Row = (&'static str, MutationCounts);
 
 /// Makes so many mutations per pixel, rounded up to whole groups, of each kind.
 pub fn run(scene: &mut Scene, samples: u32) -> Vec<Row> {
-    let own = scene.settings.chains;
+    let chains = scene.settings.chains;
     scene.settings.kind = integrator_kind::VEACH_MLT;
     let mut rows = Vec::new();
     for (name, mutation, flags) in VARIANTS {
@@ -62,7 +62,7 @@ pub fn run(scene: &mut Scene, samples: u32) -> Vec<Row> {
             half_vector_weight: if mutation == HALF_VECTOR { 1.0 } else { 0.0 },
             half_vector_flags: flags,
             direct_samples: 1,
-            ..own
+            ..chains
         };
         let mut counts = MutationCounts::default();
         if let Some(film) = rendered(scene, samples) {

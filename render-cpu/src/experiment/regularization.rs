@@ -51,15 +51,15 @@ impl Variant {
     /// # Errors
     /// If the options are not understood.
     pub fn of(&self, settings: &IntegratorSettings) -> Result<Option<IntegratorSettings>, String> {
-        let mut own = *settings;
-        own.regularization = if self.options.is_empty() {
+        let mut candidate = *settings;
+        candidate.regularization = if self.options.is_empty() {
             halflight_kernel::transport::settings::RegularizationSettings::NONE
         } else if self.options.starts_with("r0") {
             parse_mollify(self.options)?
         } else {
             parse_regularize(self.options)?
         };
-        Ok(refusal(&own).is_none().then_some(own))
+        Ok(refusal(&candidate).is_none().then_some(candidate))
     }
 }
 

@@ -142,14 +142,14 @@ pub fn run(quick: bool) -> Report {
         line(format!("{step}"), found);
         fixed.push((f64::from(step), found));
     }
-    let mut own = vec![];
+    let mut stepped = vec![];
     for (name, flags) in [
         ("from roughness", half_vector_flag::UNSTRATIFIED),
         ("from roughness, over the image", 0),
     ] {
         let found = measure(usual.half_vector_step, flags);
         line(name.to_string(), found);
-        own.push((name, found));
+        stepped.push((name, found));
     }
     for (title, scale, value) in [
         ("Acceptance over the step", Scale::Linear, 0),
@@ -162,7 +162,7 @@ pub fn run(quick: bool) -> Report {
             colour: 0,
             points: fixed.iter().map(|(x, y)| (*x, y[value])).collect(),
         }];
-        series.extend(own.iter().enumerate().map(|(i, (name, y))| Series {
+        series.extend(stepped.iter().enumerate().map(|(i, (name, y))| Series {
             label: (*name).into(),
             mark: Mark::Dashed,
             colour: i + 1,

@@ -118,12 +118,12 @@ impl Alphabet {
         let mut found: HashMap<Vec<bool>, u32> = HashMap::new();
         let mut accepted: Vec<Vec<bool>> = Vec::new();
         let mut letter = |candidate: &Candidate<'_>| -> u32 {
-            let own: Vec<bool> = atoms
+            let accepts: Vec<bool> = atoms
                 .iter()
                 .map(|(atom, _)| references.accepts(atom, candidate))
                 .collect();
-            *found.entry(own).or_insert_with_key(|own| {
-                accepted.push(own.clone());
+            *found.entry(accepts).or_insert_with_key(|accepts| {
+                accepted.push(accepts.clone());
                 accepted.len() as u32 - 1
             })
         };

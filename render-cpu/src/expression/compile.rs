@@ -180,8 +180,9 @@ impl Read {
         let accepted = (alphabet.accepted.iter())
             .map(|by_atom| {
                 let mut set = PositionSet::empty(positions.count());
-                let own = positions.atoms.iter().enumerate();
-                own.filter(|(_, atom)| atom.is_some_and(|a| by_atom[a]))
+                let reading = positions.atoms.iter().enumerate();
+                reading
+                    .filter(|(_, atom)| atom.is_some_and(|a| by_atom[a]))
                     .for_each(|(p, _)| set.insert(p));
                 set
             })
@@ -266,7 +267,7 @@ fn joins(
     if entries > MAX_JOINS {
         return None;
     }
-    let own: Vec<PositionSet> = (0..count)
+    let sets: Vec<PositionSet> = (0..count)
         .map(|expression| {
             let mut set = PositionSet::empty(positions.count());
             let all = positions.expression.iter().enumerate();
@@ -283,7 +284,7 @@ fn joins(
             let bits = if both.is_empty() {
                 0
             } else {
-                let held = own.iter().enumerate().filter(|(_, set)| set.meets(&both));
+                let held = sets.iter().enumerate().filter(|(_, set)| set.meets(&both));
                 held.fold(0, |bits, (i, _)| bits | 1 << i)
             };
             joins.push(if bits & only == only { bits } else { 0 });

@@ -115,8 +115,8 @@ impl Positions {
         }
         self.atoms.push(atom);
         // The start of an expression comes before it is counted.
-        let own = self.starts.len() - usize::from(atom.is_some());
-        self.expression.push(own);
+        let start = self.starts.len() - usize::from(atom.is_some());
+        self.expression.push(start);
         self.follow.push(Vec::new());
         Ok(self.atoms.len() - 1)
     }

@@ -68,14 +68,14 @@ pub fn compile_selections(
             }
         });
     }
-    for (own, other, letters, own_flow) in [
+    for (automaton, other, letters, own_flow) in [
         (&light, &sensor, &from_light, flow::LIGHT),
         (&sensor, &light, &from_sensor, flow::IMPORTANCE),
     ] {
         let others: Vec<u32> = (0..texts.len() as u32)
             .filter(|i| flows[*i as usize] != own_flow)
             .collect();
-        if !has_room(own, other, letters, &others) {
+        if !has_room(automaton, other, letters, &others) {
             return Err(too_complex());
         }
     }
@@ -137,7 +137,7 @@ fn select(
 /// Whether walks that read `own` can hold all pairs of its states and sets of states of `other` that they can be in, where
 /// the edits `others` are of the other flow.
 fn has_room(
-    own: &Deterministic,
+    automaton: &Deterministic,
     other: &Deterministic,
     letters: &Letters<'_>,
     others: &[u32],
@@ -160,7 +160,7 @@ fn has_room(
     let mut queue: Vec<(u32, u64)> = letters
         .first
         .iter()
-        .map(|l| (own.after(START, *l), all))
+        .map(|l| (automaton.after(START, *l), all))
         .collect();
     while let Some((state, wanted)) = queue.pop() {
         for letter in &letters.inner {
@@ -173,7 +173,7 @@ fn has_room(
                         before |= 1 << q;
                     }
                 }
-                let next = (own.after(state, *letter), before);
+                let next = (automaton.after(state, *letter), before);
                 if before != 0 && seen.insert(next) {
                     if seen.len() >= PAIRS {
                         return false;

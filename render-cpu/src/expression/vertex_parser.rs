@@ -89,8 +89,8 @@ impl Parser<'_> {
                         0 => "RTLOBCE.".contains(c),
                         _ => "DGS.".contains(c),
                     };
-                    let own = self.letter(c).filter(|_| is_place);
-                    let Some(own) = own else {
+                    let kind = self.letter(c).filter(|_| is_place);
+                    let Some(kind) = kind else {
                         if c == 'V' || c == 's' {
                             return Err(self.unknown(c));
                         }
@@ -99,8 +99,8 @@ impl Parser<'_> {
                             _ => "expected one of D G S . second",
                         }));
                     };
-                    test.kinds &= own.kinds;
-                    test.lights &= own.lights;
+                    test.kinds &= kind.kinds;
+                    test.lights &= kind.lights;
                     self.at += 1;
                 }
             }

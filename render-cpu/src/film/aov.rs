@@ -62,7 +62,7 @@ impl Aov {
         Self::Regularization,
     ];
 
-    /// The variables that Markov chains of whole paths have.
+    /// The variables that Markov chains of full paths have.
     pub const OF_CHAINS: [Self; 4] = [
         Self::Acceptance,
         Self::Iterations,

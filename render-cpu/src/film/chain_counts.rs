@@ -94,13 +94,13 @@ impl ChainCounts {
                 jumps,
                 accepted_jumps,
             };
-            let own = MutationCounts {
+            let of_mutation = MutationCounts {
                 proposed,
                 lit,
                 accepted,
                 walks,
             };
-            counts.add(name, &own);
+            counts.add(name, &of_mutation);
         }
         counts
     }

@@ -12,19 +12,17 @@ pub mod aov;
 pub mod chain_counts;
 pub mod checkpoint;
 pub mod exact_sum;
+mod layer_values;
 pub mod pending_samples;
 mod pixel_statistics;
 mod tile;
 
-use aov::{Aov, AovSet};
+use aov::AovSet;
 use chain_counts::ChainCounts;
 use pending_samples::PendingSamples;
 
 pub use pixel_statistics::{PixelStatistics, luminance};
 pub use tile::{ChainSteps, FilmTile, PixelMut};
-
-/// Numbers of a colour.
-const CHANNELS: usize = 3;
 
 /// Why a film cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -152,34 +150,6 @@ impl Film {
     /// Sums that are kept of a pixel: those of output variables, then those of parts.
     pub fn sums_per_pixel(&self) -> usize {
         self.aovs.sums_per_pixel(self.parts.len())
-    }
-
-    fn part_sum(&self, part: usize, number: usize, pixel: usize) -> f64 {
-        let first = pixel * self.sums_per_pixel() + self.aovs.accumulators();
-        self.aov_sums[first + self.aovs.sums_per_part() * part + number]
-    }
-
-    /// Mean of one channel of a part over the samples of a pixel; zero where there is no sample.
-    pub fn part_mean(&self, part: usize, channel: usize, pixel: usize) -> f64 {
-        let count = self.statistics[pixel].count;
-        if count == 0 {
-            return 0.0;
-        }
-        self.part_sum(part, channel, pixel) / f64::from(count)
-    }
-
-    /// Estimated variance of that mean, if the film keeps variances; zero below two samples.
-    pub fn part_variance(&self, part: usize, channel: usize, pixel: usize) -> Option<f64> {
-        if !self.aovs.contains(Aov::Variance) {
-            return None;
-        }
-        let n = f64::from(self.statistics[pixel].count);
-        if n < 2.0 {
-            return Some(0.0);
-        }
-        let sum = self.part_sum(part, channel, pixel);
-        let squares = self.part_sum(part, CHANNELS + channel, pixel);
-        Some((squares - sum * sum / n).max(0.0) / (n * (n - 1.0)))
     }
 
     /// Sums of the enabled output variables and of the parts, [`Film::sums_per_pixel`] numbers per pixel, by rows.
@@ -325,41 +295,6 @@ impl Film {
             .iter()
             .map(PixelStatistics::variance_of_mean)
             .collect()
-    }
-
-    /// Mean of one channel of an output variable over the samples of a pixel; zero where there is no sample.
-    /// Output variables are plain means over the sample positions: the signs of a filter would only add noise.
-    pub fn aov_mean(&self, aov: Aov, channel: usize, pixel: usize) -> f64 {
-        let statistics = &self.statistics[pixel];
-        match aov {
-            Aov::Variance => statistics.variance_of_mean()[channel],
-            Aov::Samples => f64::from(statistics.count),
-            // What is kept for the next pass is no sum over samples.
-            Aov::Bandwidth if self.aovs.contains(aov) => {
-                self.aov_sums[pixel * self.sums_per_pixel() + self.aovs.offset(aov)]
-            }
-            Aov::Acceptance | Aov::Iterations | Aov::Jumps if self.aovs.contains(aov) => {
-                let start = pixel * self.sums_per_pixel() + self.aovs.offset(aov);
-                let [sum, number] = [0, 1].map(|i| self.aov_sums[start + i]);
-                if number > 0.0 { sum / number } else { 0.0 }
-            }
-            Aov::Regularization if self.aovs.contains(aov) => {
-                let start = pixel * self.sums_per_pixel() + self.aovs.offset(aov);
-                let [sum, logarithm] = [0, 1].map(|i| self.aov_sums[start + i]);
-                let whole = luminance(statistics.mean) * f64::from(statistics.count);
-                match channel {
-                    // A filter has negative weights.
-                    0 if whole > 0.0 => (sum / whole).clamp(0.0, 1.0),
-                    1 if sum > 0.0 => (logarithm / sum).exp(),
-                    _ => 0.0,
-                }
-            }
-            _ if !self.aovs.contains(aov) || statistics.count == 0 => 0.0,
-            _ => {
-                self.aov_sums[pixel * self.sums_per_pixel() + self.aovs.offset(aov) + channel]
-                    / f64::from(statistics.count)
-            }
-        }
     }
 
     /// Samples of all pixels together.

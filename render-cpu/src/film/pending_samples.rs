@@ -21,8 +21,8 @@ impl PendingSamples {
         complete: u32,
     ) -> (u32, Option<PendingSamples>) {
         // Once over the pixels, which may be many.
-        let own = counts.clone().filter(|&count| count >= complete);
-        let range = own.fold(None, |range, count| {
+        let completed = counts.clone().filter(|&count| count >= complete);
+        let range = completed.fold(None, |range, count| {
             let (least, most) = range.unwrap_or((count, count));
             Some((count.min(least), count.max(most)))
         });

@@ -145,21 +145,21 @@ impl Merger {
             if m2.is_none() {
                 channel.m2 = None;
             }
-            for (i, &place) in places.iter().enumerate() {
-                let (na, nb) = (self.counts[place], counts[i]);
+            for (i, &pixel) in places.iter().enumerate() {
+                let (na, nb) = (self.counts[pixel], counts[i]);
                 if nb == 0.0 {
                     continue;
                 }
-                let delta = mean[i] - channel.mean[place];
-                channel.mean[place] += delta * (nb / (na + nb));
+                let delta = mean[i] - channel.mean[pixel];
+                channel.mean[pixel] += delta * (nb / (na + nb));
                 if let (Some(sum), Some(m2)) = (&mut channel.m2, &m2) {
-                    sum[place] += m2[i] + delta * delta * (na * nb / (na + nb));
+                    sum[pixel] += m2[i] + delta * delta * (na * nb / (na + nb));
                 }
             }
             true
         });
-        for (&place, count) in places.iter().zip(&counts) {
-            self.counts[place] += count;
+        for (&pixel, count) in places.iter().zip(&counts) {
+            self.counts[pixel] += count;
         }
         let (ours, theirs) = (&self.metadata.software, &metadata.software);
         if ours != theirs {
@@ -238,8 +238,8 @@ impl Merger {
         let places: Vec<usize> = self.window.indices_in(&window).collect();
         let moved = |values: &mut Vec<f64>| {
             let mut larger = vec![0.0; pixels];
-            for (value, &place) in values.iter().zip(&places) {
-                larger[place] = *value;
+            for (value, &pixel) in values.iter().zip(&places) {
+                larger[pixel] = *value;
             }
             *values = larger;
         };

@@ -216,8 +216,8 @@ impl Picture {
         }
         let mut pixels = vec![[0.0; 3]; window.width as usize * window.height as usize];
         for part in parts {
-            for (place, pixel) in part.window.indices_in(&window).zip(&part.pixels) {
-                pixels[place] = *pixel;
+            for (index, pixel) in part.window.indices_in(&window).zip(&part.pixels) {
+                pixels[index] = *pixel;
             }
         }
         Ok(Picture {

@@ -106,8 +106,8 @@ impl Order {
             for x in 0..width {
                 let x = if self.flips_x { width - 1 - x } else { x };
                 let y = if self.flips_y { height - 1 - y } else { y };
-                let (line, place) = if self.is_transposed { (x, y) } else { (y, x) };
-                let at = 3 * (line as usize * length as usize + place as usize);
+                let (line, column) = if self.is_transposed { (x, y) } else { (y, x) };
+                let at = 3 * (line as usize * length as usize + column as usize);
                 ordered.extend_from_slice(&data[at..at + 3]);
             }
         }

@@ -139,18 +139,18 @@ pub fn record<T: Traverse + Sync>(
                         let mut sampler = IndependentSampler::new(seed, index, sample);
                         let seen = camera_ray(&view.tables, &mut sampler, pixel);
                         let chance = FreshSamples::new(seed ^ CHOICE_STREAM, index, sample);
-                        let mut place = 0;
+                        let mut dimension = 0;
                         let take = |vertices: &[RecordedVertex], light: Vec3| {
                             let weight = f64::from(luminance(light));
-                            place += 1;
+                            dimension += 1;
                             if !(weight > 0.0) || !light.is_finite() {
                                 return;
                             }
                             reservoir.found += 1;
                             reservoir.luminance += weight;
-                            let u = f64::from(chance.number(place)).max(1e-12);
+                            let u = f64::from(chance.number(dimension)).max(1e-12);
                             let key = u / weight;
-                            let order = [index, sample, place];
+                            let order = [index, sample, dimension];
                             reservoir.offer(most + 1, key, order, || RecordedPath {
                                 pixel,
                                 light: light.to_array(),

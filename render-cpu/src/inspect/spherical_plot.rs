@@ -183,7 +183,7 @@ impl SphericalPlot {
         let to_view = DMat3::from_cols(right, forward.cross(right), forward).transpose();
         let middle = f64::from(size) / 2.0;
         let reach = middle - 46.0;
-        let place = |p: DVec3| {
+        let position = |p: DVec3| {
             let q = to_view * p;
             DVec3::new(middle + reach * q.x, middle - reach * q.y, q.z)
         };
@@ -192,7 +192,7 @@ impl SphericalPlot {
             let corners = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
             let corners = corners.map(|at| {
                 let value = self.smooth(cell, at);
-                place(self.direction(cell, at) * scale.position(value))
+                position(self.direction(cell, at) * scale.position(value))
             });
             let color = scale.color(luminance(self.radiance[cell]));
             raster.fill([corners[0], corners[1], corners[2]], color);
@@ -214,9 +214,9 @@ impl SphericalPlot {
                     name
                 };
                 let at = |p: DVec3| (p.x.round() as i32, p.y.round() as i32);
-                let ends = vec![at(place(DVec3::ZERO)), at(place(axis * 1.08))];
+                let ends = vec![at(position(DVec3::ZERO)), at(position(axis * 1.08))];
                 area.draw(&PathElement::new(ends, color.mix(0.8).stroke_width(1)))?;
-                let label = at(place(axis * 1.14));
+                let label = at(position(axis * 1.14));
                 area.draw(&Text::new(name, (label.0 - 4, label.1 - 7), text_style(13)))?;
             }
             Ok(())

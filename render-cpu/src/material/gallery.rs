@@ -29,13 +29,13 @@ pub fn contact_sheet(
     let rows = (examples.len() as u32).div_ceil(columns);
     let (step_x, step_y) = (PICTURE + GAP, PICTURE + LABEL + GAP);
     let mut canvas = Canvas::new(columns * step_x + GAP, rows * step_y + GAP);
-    let place = |i: usize| {
+    let corner = |i: usize| {
         let i = i as u32;
         (GAP + i % columns * step_x, GAP + i / columns * step_y)
     };
     canvas.draw(|area| {
         for (i, example) in examples.iter().enumerate() {
-            let (x, y) = place(i);
+            let (x, y) = corner(i);
             let style = text_style(12).pos(Pos::new(HPos::Center, VPos::Top));
             let at = ((x + PICTURE / 2) as i32, (y + PICTURE + 6) as i32);
             area.draw(&Text::new(example.name, at, style))?;
@@ -44,7 +44,7 @@ pub fn contact_sheet(
     })?;
     for (i, example) in examples.iter().enumerate() {
         let picture = Preview::new(&inline(example.name, example.bsdf), PICTURE)?.render(spp)?;
-        let (x, y) = place(i);
+        let (x, y) = corner(i);
         canvas.paste(&picture, [PICTURE; 2], x, y);
         done(example.name);
     }

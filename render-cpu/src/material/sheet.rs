@@ -106,8 +106,12 @@ fn draw_lobes(area: &Area<'_>, slices: &[Slice]) -> Result<(), AnyError> {
     }
     for (i, (incidence, colour)) in INCIDENCES.iter().zip(COLOURS).enumerate() {
         let style = (FONT, 15).into_font().color(&colour);
-        let place = (12, 34 + 20 * i as i32);
-        area.draw(&Text::new(format!("seen at {incidence:.0}°"), place, style))?;
+        let corner = (12, 34 + 20 * i as i32);
+        area.draw(&Text::new(
+            format!("seen at {incidence:.0}°"),
+            corner,
+            style,
+        ))?;
     }
     Ok(())
 }

@@ -54,10 +54,10 @@ pub fn read(bytes: &[u8]) -> Vec<MtlMaterial> {
         if keyword.eq_ignore_ascii_case(b"newmtl") {
             let name = String::from_utf8_lossy(rest);
             let mut material = MtlMaterial::new(&name, number);
-            if let Some(place) = materials.iter().position(|m| m.name == name) {
+            if let Some(index) = materials.iter().position(|m| m.name == name) {
                 let what = "it is defined twice; this is the one that counts".to_owned();
                 material.warnings.push((number, what));
-                materials.remove(place);
+                materials.remove(index);
             }
             materials.push(material);
         } else if let Some(material) = materials.last_mut() {

@@ -51,9 +51,10 @@ pub fn read(bytes: &[u8], flip_tex_coords: bool, file: &Path) -> Result<Mesh, Me
         texture_files: header.texture_files.clone(),
         ..Mesh::default()
     };
-    let place = |name: &str| header.elements.iter().position(|e| e.name == name);
+    let index_of = |name: &str| header.elements.iter().position(|e| e.name == name);
     // Faces before their vertices wait for a second pass.
-    let is_backwards = place("face").is_some_and(|face| place("vertex").is_some_and(|v| face < v));
+    let is_backwards =
+        index_of("face").is_some_and(|face| index_of("vertex").is_some_and(|v| face < v));
     for element in &header.elements {
         let result = match element.name.as_str() {
             "face" if is_backwards => skip(element, &mut values),

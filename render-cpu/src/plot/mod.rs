@@ -94,7 +94,7 @@ const PALETTE: [RGBColor; 8] = [
 impl Plot {
     /// The points of a series in axis coordinates, without those that the axes cannot show.
     fn placed(&self, series: &Series) -> Vec<(f64, f64)> {
-        let place = |scale: Scale, v: f64| match scale {
+        let position = |scale: Scale, v: f64| match scale {
             Scale::Linear => v,
             Scale::Logarithmic if v > 0.0 => v.log10(),
             Scale::Logarithmic => f64::NAN,
@@ -102,7 +102,7 @@ impl Plot {
         series
             .points
             .iter()
-            .map(|&(x, y)| (place(self.scales[0], x), place(self.scales[1], y)))
+            .map(|&(x, y)| (position(self.scales[0], x), position(self.scales[1], y)))
             .filter(|(x, y)| x.is_finite() && y.is_finite())
             .collect()
     }

@@ -141,10 +141,10 @@ impl BidirectionalWorkspace {
         out.radiance.clear();
         out.radiance.resize(samples.len(), Vec3::ZERO);
         out.splats.clear();
-        if let Some(own) = &mut out.regularized {
-            own.radiance.clear();
-            own.radiance.resize(samples.len(), Vec3::ZERO);
-            own.splats.clear();
+        if let Some(regularized) = &mut out.regularized {
+            regularized.radiance.clear();
+            regularized.radiance.resize(samples.len(), Vec3::ZERO);
+            regularized.splats.clear();
         }
         if settings.rules.max_depth == 0 {
             return;
@@ -157,8 +157,11 @@ impl BidirectionalWorkspace {
         if algorithm.has_camera_walks {
             self.trace_cameras(view, settings, &algorithm, photons, samples, out);
         }
-        let own = out.regularized.iter_mut().map(|own| &mut own.radiance);
-        for radiance in own.chain([&mut out.radiance]) {
+        let regularized = out
+            .regularized
+            .iter_mut()
+            .map(|regularized| &mut regularized.radiance);
+        for radiance in regularized.chain([&mut out.radiance]) {
             for (radiance, weight) in radiance.iter_mut().zip(&self.weights) {
                 *radiance *= *weight;
             }
@@ -189,8 +192,8 @@ impl BidirectionalWorkspace {
             self.starts.push(start);
             self.last.push(NONE);
             if start.is_some() {
-                let own = algorithm.start(&start, &mut sample.light);
-                self.shadows.push(view, settings, i as u32, &own, out);
+                let seen = algorithm.start(&start, &mut sample.light);
+                self.shadows.push(view, settings, i as u32, &seen, out);
             }
         }
         while !self.walks.is_done() {
@@ -200,7 +203,7 @@ impl BidirectionalWorkspace {
                     walk,
                     &mut samples[i].light,
                     hit,
-                    &mut self.points.own,
+                    &mut self.points.arrived,
                     &mut self.vertices,
                     &mut self.last[i],
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
@@ -266,8 +269,8 @@ impl BidirectionalWorkspace {
                     |contribution| shadows.push(view, settings, i as u32, &contribution, out),
                 );
                 out.radiance[i] += found;
-                if let Some(own) = &mut out.regularized {
-                    own.radiance[i] += merged.take();
+                if let Some(regularized) = &mut out.regularized {
+                    regularized.radiance[i] += merged.take();
                 }
                 next
             });
@@ -335,14 +338,14 @@ impl Shadows {
 
 impl TileSamples {
     fn add(&mut self, pending: &Pending) {
-        if let Some(own) = &mut self.regularized
+        if let Some(samples) = &mut self.regularized
             && pending.blur > 0.0
         {
             let value = regularized(pending.value, pending.blur);
             if !pending.is_splat {
-                own.radiance[pending.sample as usize] += value;
+                samples.radiance[pending.sample as usize] += value;
             } else if value.x > 0.0 {
-                own.splats.push(Splat {
+                samples.splats.push(Splat {
                     film: pending.film,
                     value,
                 });

@@ -96,8 +96,8 @@ pub(super) fn render_divided_layers<T: Traverse + Sync, S: LaneSampler + Send>(
             algorithm = algorithm.merging(radius, emitted, density);
         }
         let adaptive = followed.is_adaptive.then(|| {
-            let own = regularization(view, settings, layer);
-            Adaptive::new(&algorithm.regularized(own))
+            let of_layer = regularization(view, settings, layer);
+            Adaptive::new(&algorithm.regularized(of_layer))
         });
         let one_by_one = FollowedSamples {
             view,
@@ -242,9 +242,9 @@ fn add_layer<T: Traverse + Sync, S: LaneSampler>(
     let needs_surface = film.aovs().needs_surface();
     let film_has_parts = !film.parts().is_empty();
     let bands = film.bands_mut(ROWS).into_par_iter().zip(found);
-    bands.for_each(|(mut band, own)| {
+    bands.for_each(|(mut band, band_images)| {
         let (top, width) = (band.y(), band.width());
-        let sums: Vec<Vec<[f32; 3]>> = own
+        let sums: Vec<Vec<[f32; 3]>> = band_images
             .radiance
             .iter()
             .enumerate()
@@ -265,8 +265,8 @@ fn add_layer<T: Traverse + Sync, S: LaneSampler>(
             }
             let mut entry = band.pixel_mut(x, y);
             entry.add_sample(whole);
-            if !film_has_parts && let [own] = parts[..] {
-                entry.add_regularized(whole, [own.x, own.y]);
+            if !film_has_parts && let [regularized] = parts[..] {
+                entry.add_regularized(whole, [regularized.x, regularized.y]);
             } else {
                 entry.add_parts(whole, &parts);
             }

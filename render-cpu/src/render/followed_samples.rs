@@ -1,5 +1,5 @@
 //! Samples that are taken one by one, because each of their walks is followed: by path expressions, by edits, through interfaces, or
-//! by a regularisation that depends on the whole path.
+//! by a regularisation that depends on the full path.
 
 use super::bidirectional_job::{TileSample, Vertices, regularized};
 use super::division::Division;
@@ -33,7 +33,7 @@ pub(super) struct Followed<'a> {
     pub division: Option<&'a Division<'a>>,
     /// The edits of its light transport.
     pub edits: Option<&'a Edits<'a>>,
-    /// Whether its regularisation depends on whole paths.
+    /// Whether its regularisation depends on full paths.
     pub is_adaptive: bool,
 }
 

@@ -35,12 +35,12 @@ pub(super) fn trace_photons<T: Traverse + Sync, S: LaneSampler + Send>(
     let (view, settings) = (pass.view, pass.settings);
     let emitted = light_walks(&view.tables, settings);
     let radius = pass_radius(&view.tables, settings, layer);
-    let own = regularization(view, settings, layer);
-    let adaptive = settings.regularization.is_adaptive().then_some(own);
+    let of_layer = regularization(view, settings, layer);
+    let adaptive = settings.regularization.is_adaptive().then_some(of_layer);
     let mut algorithm =
         Bidirectional::new(&view.tables, settings).merging(radius, emitted, density);
     if adaptive.is_none() {
-        algorithm = algorithm.regularized(own);
+        algorithm = algorithm.regularized(of_layer);
     }
     let photons = PhotonTask {
         view,

@@ -44,11 +44,11 @@ pub struct PhotonList {
     pub positions: Vec<[f32; 3]>,
     /// What they are.
     pub photons: Vec<Photon>,
-    /// States of their walks, where path expressions divide the image: those that [`Photon::beside`] names.
+    /// States of their walks, where path expressions divide the image: those that [`Photon::record`] names.
     pub states: Vec<PathStates>,
     /// The same where edits turn light, each but once among neighbours.
     pub edit_states: Vec<EditStates>,
-    /// Vertices of their walks, where regularisation depends on whole paths.
+    /// Vertices of their walks, where regularisation depends on full paths.
     pub nodes: Vec<PathNode>,
     /// Which of the states of edits the next photon names.
     edited: u32,
@@ -59,7 +59,7 @@ const NEIGHBOURS: usize = 16;
 
 impl PhotonStore for PhotonList {
     fn push(&mut self, position: Vec3, photon: &Photon) {
-        let beside = if !self.nodes.is_empty() {
+        let record = if !self.nodes.is_empty() {
             self.nodes.len() as u32 - 1
         } else if self.edit_states.is_empty() {
             self.states.len().saturating_sub(1) as u32
@@ -67,7 +67,7 @@ impl PhotonStore for PhotonList {
             self.edited
         };
         self.positions.push(position.to_array());
-        self.photons.push(Photon { beside, ..*photon });
+        self.photons.push(Photon { record, ..*photon });
     }
 }
 
@@ -126,7 +126,7 @@ impl DividedStore for PhotonList {
         if self
             .photons
             .last()
-            .is_none_or(|photon| photon.beside != last)
+            .is_none_or(|photon| photon.record != last)
         {
             self.states.pop();
         }
@@ -199,10 +199,10 @@ impl SortedPhotons {
         let first_states: Vec<u32> = lists
             .iter()
             .map(|list| {
-                let own = first;
+                let before = first;
                 let states = list.states.len().max(list.edit_states.len());
                 first += states.max(list.nodes.len()) as u32;
-                own
+                before
             })
             .collect();
         let mut buckets = Vec::with_capacity(BUCKETS);
@@ -230,11 +230,11 @@ impl SortedPhotons {
                 sort(entries, scratch);
                 for (i, &(key, list)) in entries.iter().enumerate() {
                     let first_state = first_states[list as usize];
-                    let (list, place) = (&lists[list as usize], key as u32 as usize);
+                    let (list, index) = (&lists[list as usize], key as u32 as usize);
                     keys[i] = (key >> 32) as u32;
-                    positions[i] = list.positions[place];
-                    photons[i] = list.photons[place];
-                    photons[i].beside += first_state;
+                    positions[i] = list.positions[index];
+                    photons[i] = list.photons[index];
+                    photons[i].record += first_state;
                 }
             },
         );
@@ -253,7 +253,7 @@ impl SortedPhotons {
         }
     }
 
-    /// States of the photons' walks, by [`Photon::beside`]; none where nothing divides the image.
+    /// States of the photons' walks, by [`Photon::record`]; none where nothing divides the image.
     pub fn states(&self) -> &[PathStates] {
         &self.states
     }
@@ -263,7 +263,7 @@ impl SortedPhotons {
         &self.edit_states
     }
 
-    /// Vertices of their walks, where regularisation depends on whole paths; each has the index of the one before.
+    /// Vertices of their walks, where regularisation depends on full paths; each has the index of the one before.
     pub fn nodes(&self) -> &[PathNode] {
         &self.nodes
     }

@@ -117,12 +117,12 @@ impl PhotonWorkspace {
         list
     }
 
-    /// The same with the vertices of their walks, for the regularisation `own`, which depends on whole paths.
+    /// The same with the vertices of their walks, for the regularisation `own`, which depends on full paths.
     pub fn trace_nodes<T: Traverse, S: LaneSampler>(
         &mut self,
         view: &SceneView<'_, T>,
         tracer: &PhotonTracer<'_>,
-        own: &Regularization,
+        regularization: &Regularization,
         samplers: &mut [S],
     ) -> PhotonList {
         let mut list = PhotonList::default();
@@ -138,7 +138,7 @@ impl PhotonWorkspace {
                 let sampler = &mut samplers[i];
                 photon_bounce(
                     tracer,
-                    own,
+                    regularization,
                     walk,
                     &mut last[i],
                     sampler,

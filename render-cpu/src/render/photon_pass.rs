@@ -46,7 +46,7 @@ pub(super) struct PhotonTask<'a, T: Traverse> {
     pub expressions: Option<PathExpressions<'a>>,
     /// The edits of its light transport, if there are any.
     pub edits: Option<Edits<'a>>,
-    /// The regularisation of the pass, where it depends on whole paths.
+    /// The regularisation of the pass, where it depends on full paths.
     pub adaptive: Option<Regularization>,
     /// Light walks.
     pub emitted: u32,
@@ -80,8 +80,13 @@ impl<T: Traverse + Sync> PhotonTask<'_, T> {
                     let expressions = self.expressions.as_ref();
                     let edits = self.edits.as_ref();
                     let tracer = &self.tracer;
-                    if let Some(own) = &self.adaptive {
-                        return workspace.trace_nodes(self.view, tracer, own, &mut samplers);
+                    if let Some(regularization) = &self.adaptive {
+                        return workspace.trace_nodes(
+                            self.view,
+                            tracer,
+                            regularization,
+                            &mut samplers,
+                        );
                     }
                     workspace.trace_photons(self.view, tracer, expressions, edits, &mut samplers)
                 }))

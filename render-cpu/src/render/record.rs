@@ -100,19 +100,23 @@ fn integrator_words(scene: &Scene) -> Vec<(&'static str, String)> {
         integrator_kind::BIDIRECTIONAL
         | integrator_kind::LIGHT_TRACING
         | integrator_kind::MANIFOLD_BIDIRECTIONAL => {
-            let own = &settings.bidirectional;
+            let bidirectional = &settings.bidirectional;
             let any = |n: u32| match n {
                 NONE => "*".to_string(),
                 n => n.to_string(),
             };
-            let strategies = format!("{},{}", any(own.only_s), any(own.only_t));
+            let strategies = format!(
+                "{},{}",
+                any(bidirectional.only_s),
+                any(bidirectional.only_t)
+            );
             words.extend([
-                ("light_image", flag(own.light_image)),
-                ("sample_direct", flag(own.sample_direct)),
-                ("--connections", own.connections.to_string()),
-                ("--heuristic power", flag(own.power_heuristic)),
+                ("light_image", flag(bidirectional.light_image)),
+                ("sample_direct", flag(bidirectional.sample_direct)),
+                ("--connections", bidirectional.connections.to_string()),
+                ("--heuristic power", flag(bidirectional.power_heuristic)),
                 ("--strategies", strategies),
-                ("--unweighted", flag(own.unweighted)),
+                ("--unweighted", flag(bidirectional.unweighted)),
             ]);
         }
         _ => {}

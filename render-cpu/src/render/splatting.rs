@@ -105,11 +105,11 @@ pub fn render_layers<T: Traverse + Sync, S: LaneSampler + Send>(
                         regularized: keeps_regularized.then(RegularizedSamples::default),
                         ..TileSamples::default()
                     };
-                    let own = regularization(view, settings, layer);
+                    let of_layer = regularization(view, settings, layer);
                     workspace.run(
                         view,
                         settings,
-                        own,
+                        of_layer,
                         photons.as_ref(),
                         &mut samples,
                         &mut out,
@@ -158,8 +158,13 @@ impl TaskResult {
             filter,
             height,
         )];
-        if let Some(own) = samples.regularized {
-            images.push(TileImage::new(own.radiance, &own.splats, filter, height));
+        if let Some(regularized) = samples.regularized {
+            images.push(TileImage::new(
+                regularized.radiance,
+                &regularized.splats,
+                filter,
+                height,
+            ));
         }
         TaskResult { tile, images }
     }
@@ -224,8 +229,8 @@ fn add_part<T: Traverse + Sync, S: LaneSampler>(
     let bands = film.bands_mut(BAND);
     let mut of_bands: Vec<Vec<&mut [[f32; 3]]>> = bands.iter().map(|_| Vec::new()).collect();
     for image in sums {
-        for (own, rows) in of_bands.iter_mut().zip(image.chunks_mut(of_band)) {
-            own.push(rows);
+        for (band, rows) in of_bands.iter_mut().zip(image.chunks_mut(of_band)) {
+            band.push(rows);
         }
     }
     let with_sums = bands.into_par_iter().zip(of_bands);
@@ -252,8 +257,8 @@ fn add_part<T: Traverse + Sync, S: LaneSampler>(
                 let mut entry = band.pixel_mut(x, y);
                 let whole = Vec3::from_array(*sum);
                 entry.add_sample(whole);
-                if let Some(own) = sums.get(1) {
-                    entry.add_regularized(whole, [own[i][0], own[i][1]]);
+                if let Some(regularized) = sums.get(1) {
+                    entry.add_regularized(whole, [regularized[i][0], regularized[i][1]]);
                 }
                 if needs_surface {
                     let (pixel, index) = pixel(pass.view, x, y);

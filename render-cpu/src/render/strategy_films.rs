@@ -121,7 +121,7 @@ impl Backend for StrategyBackend<'_> {
 #[derive(Clone, Default)]
 struct StrategySamples {
     /// Index of the pixel in the image, and what its own sample found.
-    own: Vec<(u32, Rgb)>,
+    of_pixel: Vec<(u32, Rgb)>,
     splats: Vec<Splat>,
 }
 
@@ -157,7 +157,7 @@ impl StrategyBackend<'_> {
             let mut sums = vec![[0.0; 3]; width as usize * height as usize];
             // In the order of rows and samples, whatever thread took them.
             for found in results.iter().map(|of_rows| &of_rows[strategy]) {
-                for (pixel, value) in &found.own {
+                for (pixel, value) in &found.of_pixel {
                     let sum = &mut sums[*pixel as usize];
                     *sum = (Vec3::from_array(*sum) + *value).to_array();
                 }
@@ -207,7 +207,7 @@ impl StrategyBackend<'_> {
                         });
                     } else {
                         let value = contribution.value * seen.weight;
-                        found[strategy].own.push((pixel, value));
+                        found[strategy].of_pixel.push((pixel, value));
                     }
                 },
             );

@@ -67,7 +67,7 @@ pub struct Workspace<S> {
     /// The numbers of those samples from the first on, where surfaces are wanted.
     samplers: Vec<S>,
     /// What accompanies the paths of an image that is divided, and their parts.
-    beside: Vec<DividedPath>,
+    divided: Vec<DividedPath>,
     mixtures: Vec<Mixture>,
     parts: Vec<Vec3>,
 }
@@ -81,7 +81,7 @@ impl<S: LaneSampler> Workspace<S> {
             regularized: is_regularized.then(RegularizedPaths::new),
             runs: Vec::with_capacity(SLOTS),
             samplers: Vec::with_capacity(SLOTS),
-            beside: Vec::new(),
+            divided: Vec::new(),
             mixtures: Vec::new(),
             parts: Vec::new(),
         }
@@ -222,7 +222,7 @@ impl<T: Traverse> TileJob<'_, T> {
             wave,
             runs,
             samplers,
-            beside,
+            divided,
             mixtures,
             parts,
             regularized,
@@ -236,12 +236,12 @@ impl<T: Traverse> TileJob<'_, T> {
             }
             (None, None) => wave.run(self.simd, self.view, self.settings),
             (None, Some(division)) => {
-                beside.resize(SLOTS, DividedPath::NONE);
+                divided.resize(SLOTS, DividedPath::NONE);
                 mixtures.resize(SLOTS, Mixture::NONE);
                 parts.resize(SLOTS * division.expressions.count as usize, Vec3::ZERO);
                 let mut division = WaveDivision {
                     expressions: division.expressions,
-                    paths: beside,
+                    paths: divided,
                     mixtures,
                     parts,
                 };
@@ -257,18 +257,18 @@ impl<T: Traverse> TileJob<'_, T> {
             let mut pixel = tile.pixel_mut(run.x, run.y);
             pixel.add_samples(of_run);
             if !shares.is_empty() {
-                let (own, rest) = shares.split_at(of_run.len());
+                let (of_samples, rest) = shares.split_at(of_run.len());
                 shares = rest;
-                for (sample, share) in of_run.iter().zip(own) {
+                for (sample, share) in of_run.iter().zip(of_samples) {
                     pixel.add_regularized(*sample, *share);
                 }
             }
             if let Some(division) = &self.division {
                 let count = division.expressions.count as usize;
-                let own = done..done + of_run.len();
-                let parts = parts[own.start * count..own.end * count].chunks_exact(count);
-                for ((sample, beside), parts) in of_run.iter().zip(&beside[own]).zip(parts) {
-                    let bits = beside.touched() >> division.first;
+                let run = done..done + of_run.len();
+                let parts = parts[run.start * count..run.end * count].chunks_exact(count);
+                for ((sample, divided), parts) in of_run.iter().zip(&divided[run]).zip(parts) {
+                    let bits = divided.touched() >> division.first;
                     pixel.add_some_parts(*sample, &parts[division.first..], bits);
                 }
                 done += of_run.len();

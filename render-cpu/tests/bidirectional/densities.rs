@@ -20,7 +20,7 @@ pub struct LightEndPoint {
 }
 
 /// A path.
-pub struct WholePath {
+pub struct FullPath {
     pub light: LightEndPoint,
     /// x_1 ... x_(k-1).
     pub inner: Vec<SurfacePoint>,
@@ -28,7 +28,7 @@ pub struct WholePath {
     pub lens: Vec3,
 }
 
-impl WholePath {
+impl FullPath {
     /// Whether positions of its vertices say well enough where its edges go: none is short, none lies in a surface.
     pub fn is_well_conditioned(&self, tables: &Tables<'_>) -> bool {
         let first = usize::from(is_infinite(self.kind(tables)));
@@ -212,7 +212,7 @@ impl WholePath {
         connected.chain(merged).collect()
     }
 
-    /// The strategy that merges at x_i among the [`WholePath::densities`].
+    /// The strategy that merges at x_i among the [`FullPath::densities`].
     pub fn merged_at(&self, i: usize) -> usize {
         self.k() + 1 + i
     }

@@ -1,6 +1,6 @@
 //! Samples whose weights are compared with those of the densities of all strategies, path by path.
 
-use crate::densities::{LightEndPoint, WholePath};
+use crate::densities::{FullPath, LightEndPoint};
 use crate::scenes::{View, with_view};
 use crate::weight_counts::{Checked, Weighting, reference, weight};
 use glam::{Vec2, Vec3};
@@ -52,7 +52,7 @@ impl Sample<'_> {
     }
 
     /// Compares a weight with that of strategy `s`; whether there was one.
-    fn compare(&self, found: Option<f64>, path: &WholePath, s: usize) -> u32 {
+    fn compare(&self, found: Option<f64>, path: &FullPath, s: usize) -> u32 {
         let tables = &self.view.tables;
         let Some(found) = found.filter(|_| path.is_well_conditioned(tables)) else {
             return 0;
@@ -123,7 +123,7 @@ impl Sample<'_> {
             (light, _) = self.follow(walk, &mut sampler, |walk, hit, arrived| {
                 let met = weight(|plain| self.connector(plain).lens_hit(walk, hit.t));
                 let lens = camera::intersect_lens(&tables.camera, &walk.subpath.ray);
-                let path = WholePath {
+                let path = FullPath {
                     light: end,
                     inner: arrived.iter().map(|a| a.site.point).collect(),
                     lens: walk.subpath.ray.at(lens.t),
@@ -148,7 +148,7 @@ impl Sample<'_> {
                 value: self.connector(plain).escaped(&walk),
                 ..Contribution::NONE
             });
-            let path = WholePath {
+            let path = FullPath {
                 light: LightEndPoint {
                     emitter: tables.info.environment,
                     point: SurfacePoint::ZERO,
@@ -184,7 +184,7 @@ impl Sample<'_> {
         let u = self.lens_numbers(sampler);
         let seen = weight(|plain| self.connector(plain).start_to_lens(start, u));
         let lens = self.lens_point(start.point.position, u);
-        let path = WholePath {
+        let path = FullPath {
             light: LightEndPoint {
                 direction: (lens - start.point.position).normalize_or_zero(),
                 ..end
@@ -217,7 +217,7 @@ impl Sample<'_> {
             self.connector(plain)
                 .to_lens(beta, weights, light.len() as u32, &at, u)
         });
-        let path = WholePath {
+        let path = FullPath {
             light: end,
             inner: surfaces().collect(),
             lens: self.lens_point(at.point.position, u),
@@ -235,7 +235,7 @@ impl Sample<'_> {
                     .inner(&connected, &camera.walk, &other)
             });
             let behind = cameras[..=j].iter().rev().map(|c| c.site.point);
-            let path = WholePath {
+            let path = FullPath {
                 light: end,
                 inner: surfaces().chain(behind).collect(),
                 lens,
@@ -285,7 +285,7 @@ impl Sample<'_> {
             ..Contribution::NONE
         });
         if emitted.is_some() {
-            let path = WholePath {
+            let path = FullPath {
                 light: LightEndPoint {
                     emitter: point.emitter,
                     point,
@@ -319,7 +319,7 @@ impl Sample<'_> {
         } else {
             light_point
         };
-        let path = WholePath {
+        let path = FullPath {
             light: LightEndPoint {
                 emitter: light.emitter,
                 point: light_point,

@@ -1,4 +1,4 @@
-//! Chains of whole paths with edits: each mutation alone keeps the image of other algorithms with the same edits.
+//! Chains of full paths with edits: each mutation alone keeps the image of other algorithms with the same edits.
 
 use crate::agreement::report;
 use crate::brightness::{BALL, DIFFUSE, POINT, SKY, VEIL};

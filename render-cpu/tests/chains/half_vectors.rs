@@ -1,6 +1,6 @@
 //! Mutations in half-vector space: each alone, in each of its forms, leaves the distribution of paths as it is.
 //!
-//! As in `whole_paths`: chains start from paths drawn with the density that they shall keep.
+//! As in `full_paths`: chains start from paths drawn with the density that they shall keep.
 
 use crate::agreement::{Batches, compare, report, settings_of};
 use crate::brightness::{BALL, DIFFUSE, GLOSSY};

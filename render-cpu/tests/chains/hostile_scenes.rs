@@ -1,5 +1,5 @@
 //! Small scenes out of bytes, most of them with poles: surfaces that coincide or touch, materials at the ends of their ranges, lights
-//! and lenses beside them. Whatever the mutation of whole paths, nothing panics, no number is infinite or a NaN, and no path
+//! and lenses beside them. Whatever the mutation of full paths, nothing panics, no number is infinite or a NaN, and no path
 //! without light becomes the state.
 //!
 //! One body for the fuzz target and for the test that feeds it random bytes.

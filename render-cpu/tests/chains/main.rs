@@ -3,13 +3,14 @@
 #[path = "../bidirectional/agreement.rs"]
 #[allow(dead_code)]
 mod agreement;
-mod beside;
 mod brightness;
 mod edited;
+mod full_paths;
 mod half_vectors;
 mod hostile_scenes;
 mod measures;
 mod mollified;
+mod path_tracing;
 mod perturbations;
 mod promises;
 mod returns;
@@ -21,4 +22,3 @@ mod total;
 mod tracing;
 mod two_stages;
 mod variants;
-mod whole_paths;

@@ -11,7 +11,7 @@ use halflight_kernel::manifold::half_vector::half_vector;
 use halflight_kernel::manifold::half_vector_form::{PROJECTED, SLOPE};
 use halflight_kernel::manifold::mutation::density_factor;
 use halflight_kernel::manifold::vertex_kind;
-use halflight_kernel::path::whole::Blurring;
+use halflight_kernel::path::full_path::Blurring;
 use halflight_kernel::sampler::IndependentSampler;
 use halflight_kernel::transport::markov::half_vector::measure::{
     segment_factor, towards_light, vertex_factor,

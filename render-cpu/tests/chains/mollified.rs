@@ -22,7 +22,7 @@ const SAMPLES: Samples = Samples {
     chains: 6,
 };
 
-/// Chains of a length that is a whole number of stages; whole paths by nothing but these mutations.
+/// Chains of a length that is a whole number of stages; full paths by nothing but these mutations.
 fn chains(weights: [f32; 4]) -> ChainSettings {
     ChainSettings {
         candidates: 1024,

@@ -9,12 +9,15 @@ use crate::tracing::with_tracer;
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Bsdf;
 use halflight_kernel::math::Frame;
+use halflight_kernel::path::full_path::Blurring;
 use halflight_kernel::path::tracer::Tracer;
-use halflight_kernel::path::whole::Blurring;
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::Traverse;
-use halflight_kernel::transport::markov::veach::perturbation::{
-    LightChain, light_chain, propose_from_light, propose_from_sensor, sensor_chain,
+use halflight_kernel::transport::markov::veach::caustic_perturbation::{
+    LightChain, light_chain, propose_from_light,
+};
+use halflight_kernel::transport::markov::veach::lens_perturbation::{
+    propose_from_sensor, sensor_chain,
 };
 use halflight_kernel::transport::markov::veach::{ChainPath, candidate};
 use std::f32::consts::{PI, TAU};

@@ -9,7 +9,7 @@ use halflight_kernel::manifold::ChainJacobian;
 use halflight_kernel::manifold::half_vector_form::SLOPE;
 use halflight_kernel::manifold::mutation::{density_factor, mutate, mutation_kind};
 use halflight_kernel::manifold::walk::{WalkOptions, walk};
-use halflight_kernel::path::whole::Blurring;
+use halflight_kernel::path::full_path::Blurring;
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::{SceneView, Traverse};
 use halflight_kernel::transport::markov::algorithm::WalkCounts;

@@ -281,7 +281,7 @@ fn with_room(test: impl FnOnce(&View<'_>, &IntegratorSettings)) {
 }
 
 #[test]
-fn whole_paths_stay_in_their_distribution() {
+fn full_paths_stay_in_their_distribution() {
     let one = |kind: usize| {
         let mut weights = [0.0; 6];
         weights[kind] = 1.0;

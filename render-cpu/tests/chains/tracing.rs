@@ -1,4 +1,4 @@
-//! The scene of a test with what traces its whole paths.
+//! The scene of a test with what traces its full paths.
 
 use crate::scenes::with_view;
 use halflight::accel::CpuTraverse;
@@ -14,7 +14,7 @@ pub fn with_tracer(scene: &Scene, test: impl FnOnce(&Trace<'_>)) {
         test(&Tracer {
             view,
             rules: scene.settings.rules,
-            beside: None,
+            remainder: None,
             edits: None,
         });
     });

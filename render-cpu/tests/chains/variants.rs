@@ -12,7 +12,7 @@ pub const MIRROR: &str = r#"<shape type="rectangle"><transform name="to_world"><
     <rotate y="1" angle="-40"/><translate x="1" y="0.7" z="-0.3"/></transform>
     <bsdf type="twosided"><bsdf type="conductor"/></bsdf></shape>"#;
 
-/// Chains of whole paths without light apart, by nothing but mutations of these weights: bidirectional, lens, caustic, multi-chain.
+/// Chains of full paths without light apart, by nothing but mutations of these weights: bidirectional, lens, caustic, multi-chain.
 pub fn of_mutations([bidirectional, lens, caustic, multi_chain]: [f32; 4]) -> ChainSettings {
     ChainSettings {
         direct_samples: 0,
@@ -31,7 +31,7 @@ pub struct Samples {
     pub chains: u32,
 }
 
-/// Of chains of whole paths.
+/// Of chains of full paths.
 pub const OF_WHOLE_PATHS: Samples = Samples {
     truth: 384,
     chains: 6,

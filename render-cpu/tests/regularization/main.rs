@@ -1,5 +1,6 @@
 //! Regularisation in path tracing, bidirectional path tracing, and vertex connection and merging.
 
+mod full_paths;
 mod known_answers;
 mod layers;
 mod near_specular;
@@ -11,4 +12,3 @@ mod vertices;
 #[path = "../common/view.rs"]
 mod view;
 mod weights;
-mod whole_paths;

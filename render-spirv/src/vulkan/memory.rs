@@ -34,9 +34,9 @@ pub struct Buffer {
 unsafe impl Send for Buffer {}
 
 impl Device {
-    fn memory_type(&self, allowed: u32, place: Memory) -> Option<u32> {
+    fn memory_type(&self, allowed: u32, memory: Memory) -> Option<u32> {
         let host = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        let wishes = match place {
+        let wishes = match memory {
             Memory::Device => [
                 vk::MemoryPropertyFlags::DEVICE_LOCAL,
                 vk::MemoryPropertyFlags::empty(),
@@ -75,7 +75,7 @@ impl Device {
         self: &Arc<Self>,
         what: &str,
         size: u64,
-        place: Memory,
+        memory: Memory,
     ) -> Result<Buffer, VulkanError> {
         if size > self.description().max_buffer {
             return Err(VulkanError::TooLarge {
@@ -117,7 +117,7 @@ impl Device {
         // SAFETY: the buffer is alive.
         let needs = unsafe { self.raw.get_buffer_memory_requirements(raw) };
         let kind = self
-            .memory_type(needs.memory_type_bits, place)
+            .memory_type(needs.memory_type_bits, memory)
             .ok_or_else(|| failed(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY))?;
         if !self.allocations.add(needs.size) {
             return Err(failed(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY));
@@ -132,7 +132,7 @@ impl Device {
             self.raw
                 .bind_buffer_memory(raw, buffer.memory, 0)
                 .map_err(failed)?;
-            if place == Memory::Host {
+            if memory == Memory::Host {
                 buffer.mapped = self
                     .raw
                     .map_memory(

@@ -34,7 +34,7 @@ pub struct LightSubpath<'a, V> {
 #[derive(Clone, Copy)]
 pub struct ConnectedPoints {
     /// Where the camera walk has arrived, or a light walk alone.
-    pub own: ShadingPoint,
+    pub arrived: ShadingPoint,
     /// The vertex of the light walk.
     pub light: ShadingPoint,
 }
@@ -42,7 +42,7 @@ pub struct ConnectedPoints {
 impl ConnectedPoints {
     /// Nothing yet.
     pub const NONE: ConnectedPoints = ConnectedPoints {
-        own: ShadingPoint::NONE,
+        arrived: ShadingPoint::NONE,
         light: ShadingPoint::NONE,
     };
 }
@@ -61,7 +61,7 @@ pub struct Bidirectional<'a> {
 impl<'a> Bidirectional<'a> {
     /// With the strategies that the settings ask for.
     pub fn new(tables: &'a Tables<'a>, settings: &IntegratorSettings) -> Bidirectional<'a> {
-        let own = &settings.bidirectional;
+        let parameters = &settings.bidirectional;
         let traces_light = settings.kind == integrator_kind::LIGHT_TRACING;
         let merges = settings.kind == integrator_kind::VERTEX_MERGING;
         let connects = !merges || settings.photon.connections != 0;
@@ -71,22 +71,22 @@ impl<'a> Bidirectional<'a> {
                 rules: settings.rules,
                 strategies: Strategies {
                     heuristic: Heuristic {
-                        is_power: own.power_heuristic != 0,
+                        is_power: parameters.power_heuristic != 0,
                         merging: 0.0,
                         connects,
                     },
-                    light_image: traces_light || connects && own.light_image != 0,
-                    sample_direct: own.sample_direct != 0,
-                    only_s: own.only_s,
-                    only_t: if traces_light { 1 } else { own.only_t },
-                    unweighted: traces_light || own.unweighted != 0,
+                    light_image: traces_light || connects && parameters.light_image != 0,
+                    sample_direct: parameters.sample_direct != 0,
+                    only_s: parameters.only_s,
+                    only_t: if traces_light { 1 } else { parameters.only_t },
+                    unweighted: traces_light || parameters.unweighted != 0,
                     meets_lens: true,
                 },
                 photons: PhotonDensity::unknown(tables),
                 regularization: Regularization::NONE,
             },
             has_camera_walks: !traces_light,
-            connections: own.connections,
+            connections: parameters.connections,
         }
     }
 
@@ -159,9 +159,9 @@ impl<'a> Bidirectional<'a> {
     /// The vertex at which a walk has arrived, as it is connected.
     #[inline]
     fn interaction<'p>(&self, site: &'p ShadingPoint, walk: &Walk) -> Interaction<'p> {
-        let own = &self.connector.regularization;
+        let regularization = &self.connector.regularization;
         site.interaction(walk.subpath.ray.direction)
-            .regularized(own.tau, own.flags)
+            .regularized(regularization.tau, regularization.flags)
     }
 
     /// One bounce of a light walk, from what its ray meets to its next ray: hands what it adds to `found`, keeps the vertex in
@@ -210,8 +210,7 @@ impl<'a> Bidirectional<'a> {
                 }
             }
         }
-        let h = connector.heuristic_at(at.point.position);
-        walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
+        connector.scatter(walk, &at, sampler)
     }
 
     /// One bounce of a camera walk, connected to the vertices and to the start of a `light` subpath. `add` takes what may be
@@ -243,11 +242,11 @@ impl<'a> Bidirectional<'a> {
     ) -> (Rgb, u32) {
         let connector = &self.connector;
         let tables = connector.tables;
-        let (mut found, next) = connector.arrive(walk, hit, &mut points.own);
+        let (mut found, next) = connector.arrive(walk, hit, &mut points.arrived);
         if next != step::SCATTER {
             return (found, next);
         }
-        let at = self.interaction(&points.own, walk);
+        let at = self.interaction(&points.arrived, walk);
         // Merging is none of the strategies that can be shown alone.
         if at.is_connectable() && connector.strategies.shows_all() {
             found += merge(walk, &at);
@@ -283,8 +282,7 @@ impl<'a> Bidirectional<'a> {
                 self.connect(walk, &at, site, light, &mut add);
             }
         }
-        let h = connector.heuristic_at(at.point.position);
-        let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
+        let next = connector.scatter(walk, &at, sampler);
         (found, next)
     }
 
@@ -360,12 +358,13 @@ impl<'a> Bidirectional<'a> {
         add: &mut impl Contributions,
     ) {
         let connector = &self.connector;
-        let own = &connector.regularization;
+        let regularization = &connector.regularization;
         let direction = vertex.look_up(connector.tables, site);
         connector.sharpen(direction, site);
         let end = LightEnd::new(
             vertex,
-            site.interaction(direction).regularized(own.tau, own.flags),
+            site.interaction(direction)
+                .regularized(regularization.tau, regularization.flags),
         );
         let mut joined = connector.inner(&end, walk, at);
         if joined.is_some() {

@@ -31,7 +31,7 @@ pub trait StateStore {
 pub struct DividedPhotons<'a> {
     /// The photons.
     pub photons: PassPhotons<'a>,
-    /// By [`Photon::beside`].
+    /// By [`Photon::record`].
     pub states: &'a [PathStates],
 }
 
@@ -110,7 +110,7 @@ impl<'a, 'b, T: Traverse, K: StateStore, F: FnMut(Contribution, &Shares)>
         let camera = self
             .camera
             .after(expressions, automaton, at.point, &scattered);
-        let before = &photons.states[photon.beside as usize];
+        let before = &photons.states[photon.record as usize];
         let shares = before.join(expressions, &camera);
         if expressions.only != 0 && shares.is_none() {
             return;

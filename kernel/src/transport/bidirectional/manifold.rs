@@ -169,8 +169,8 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
                 .camera
                 .filter(|_| passes(camera.point, -back(camera), direction))
                 .and_then(|mut anchor| {
-                    let own = interface_vertex(camera.point, camera.bsdf, alpha, direction);
-                    anchor.push(own).then_some(anchor)
+                    let between = interface_vertex(camera.point, camera.bsdf, alpha, direction);
+                    anchor.push(between).then_some(anchor)
                 }),
         };
         chain.is_some_and(|mut anchor| anchor.push(vertex) && self.is_found_by_walk(anchor, before))
@@ -185,8 +185,8 @@ impl<'a, 'b, T: Traverse, F: FnMut(Contribution)> Left<'a, 'b, T, F> {
         if contribution.emitter == NONE || !passes(at.point, -back(at), direction) {
             return false;
         }
-        let own = interface_vertex(at.point, at.bsdf, alpha, direction);
-        anchor.push(own)
+        let between = interface_vertex(at.point, at.bsdf, alpha, direction);
+        anchor.push(between)
             && light_point(self.view, &at.point.spawn(direction), contribution.emitter)
                 .is_some_and(|light| anchor.is_found_by_walk(self.view, light, &mut self.scratch))
     }

@@ -77,9 +77,9 @@ pub fn sample_observed<T: Traverse, S: Sampler, V: VertexStore>(
     };
     if start.is_some() && rules.max_depth > 0 {
         observer.borrow_mut().light_walk_starts(&start);
-        let own = algorithm.start(&start, light_sampler);
-        if own.is_some() {
-            observer.borrow_mut().add(own);
+        let met = algorithm.start(&start, light_sampler);
+        if met.is_some() {
+            observer.borrow_mut().add(met);
         }
         let mut walk = Walk::from_emitter(&start);
         let mut next = step::TRACE;
@@ -91,14 +91,14 @@ pub fn sample_observed<T: Traverse, S: Sampler, V: VertexStore>(
                 &mut walk,
                 light_sampler,
                 &hit,
-                &mut points.own,
+                &mut points.arrived,
                 store,
                 &mut last,
                 SharedObserver(&observer),
             );
             let has_scattered = next == step::TRACE && walk.subpath.depth > depth;
             let mut observer = observer.borrow_mut();
-            if has_scattered && !observer.scattered(&walk, &points.own.interaction(direction)) {
+            if has_scattered && !observer.scattered(&walk, &points.arrived.interaction(direction)) {
                 next = step::END;
             }
         }
@@ -132,14 +132,15 @@ pub fn sample_observed<T: Traverse, S: Sampler, V: VertexStore>(
         );
         let mut observer = observer.borrow_mut();
         if found.max_element() > 0.0 {
-            let (met, emitter) = algorithm
-                .connector
-                .emitter_hit(found, depth, &hit, &points.own);
+            let (met, emitter) =
+                algorithm
+                    .connector
+                    .emitter_hit(found, depth, &hit, &points.arrived);
             observer.emitter_hit(met, emitter);
         }
         next = after;
         let has_scattered = next == step::TRACE && walk.subpath.depth > depth;
-        if has_scattered && !observer.scattered(&walk, &points.own.interaction(direction)) {
+        if has_scattered && !observer.scattered(&walk, &points.arrived.interaction(direction)) {
             next = step::END;
         }
     }

@@ -52,11 +52,15 @@ impl Annealing {
     /// The regularisation after so many steps.
     #[inline]
     pub fn at(&self, step: u32) -> Regularization {
-        let mut own = self.start;
+        let mut regularization = self.start;
         if self.shrinks() {
-            own.radius = geometric(own.radius, self.one_minus_gamma, step / STAGE * STAGE);
+            regularization.radius = geometric(
+                regularization.radius,
+                self.one_minus_gamma,
+                step / STAGE * STAGE,
+            );
         }
-        own
+        regularization
     }
 
     /// Whether the radius after so many steps is not that of the step before.

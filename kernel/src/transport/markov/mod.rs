@@ -21,7 +21,7 @@
 //! - [`annealing`]: targets that are mollified less and less;
 //! - [`primary_space`]: paths as functions of primary samples: over `path`, over `bdpt`, and multiplexed (`multiplexed`);
 //! - [`primary_chain`]: chains of primary samples;
-//! - [`veach`]: chains of whole paths;
+//! - [`veach`]: chains of full paths;
 //! - [`half_vector`]: their mutations in half-vector space.
 //!
 //! Hosts only: the records of a chain are long.

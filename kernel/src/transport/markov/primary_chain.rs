@@ -216,12 +216,12 @@ impl<T: Traverse + Sync> ChainAlgorithm for PrimaryChains<'_, T> {
         let (i_x, i_y) = (chain.current.target(), chain.proposed.target());
         // A chain starts where there is light, and goes nowhere else until its state loses all of it.
         let acceptance = if i_y < i_x { i_y / i_x } else { 1.0 };
-        let own = b * chain.weight;
-        let mut of_proposed = acceptance * own;
+        let step_weight = b * chain.weight;
+        let mut of_proposed = acceptance * step_weight;
         if is_large {
             of_proposed += self.constant;
         }
-        chain.pending += (1.0 - acceptance) * own;
+        chain.pending += (1.0 - acceptance) * step_weight;
         let counts = &mut chain.counts[if is_large { LARGE } else { SMALL }];
         counts.proposed += 1;
         counts.lit += u64::from(i_y > 0.0);

@@ -208,10 +208,10 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
                 state.add(film, value, importance);
             }
             for part in 0..expressions.count {
-                let own = value * shares.of(part as usize);
+                let light = value * shares.of(part as usize);
                 match part + 1 - expressions.only {
-                    0 => state.add(film, own, importance),
-                    image => state.add_part(film, own, image),
+                    0 => state.add(film, light, importance),
+                    image => state.add_part(film, light, image),
                 }
             }
         };

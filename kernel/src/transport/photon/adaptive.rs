@@ -60,9 +60,9 @@ fn unbounded_radii(
     statistics: &PhotonStatistics,
 ) -> AdaptiveRadii {
     let scene = tables.info.radius;
-    let own = &settings.photon;
-    let largest = own.largest_radius * scene;
-    let least = (own.least_radius * scene).min(largest);
+    let parameters = &settings.photon;
+    let largest = parameters.largest_radius * scene;
+    let least = (parameters.least_radius * scene).min(largest);
     if !(statistics.passes > 0.0) {
         return AdaptiveRadii {
             radius: largest,

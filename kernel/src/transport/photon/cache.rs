@@ -42,8 +42,8 @@ pub struct Photon {
     pub d_vc: f32,
     /// Edges from the emitter.
     pub depth: u32,
-    /// Index of what its owner keeps beside it: the states of its walk, where path expressions divide the image.
-    pub beside: u32,
+    /// Index of the record of its walk that its owner keeps for it: states of path expressions or of edits, or the vertex.
+    pub record: u32,
 }
 
 impl Photon {

@@ -63,8 +63,8 @@ pub fn merging_weight(
     }
     let h = connector.heuristic_at(position);
     weight(
-        photon.beside_merging(h, pdf),
-        walk.arrived.beside_merging(h, pdf_reverse),
+        photon.shorter_over_merged(h, pdf),
+        walk.arrived.shorter_over_merged(h, pdf_reverse),
     )
 }
 

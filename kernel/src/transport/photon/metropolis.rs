@@ -73,7 +73,7 @@ pub fn gather_point(normal: Vec3, only_unfound: bool) -> Photon {
         d_vcm: 0.0,
         d_vc: 0.0,
         depth: u32::from(only_unfound),
-        beside: 0,
+        record: 0,
     }
 }
 

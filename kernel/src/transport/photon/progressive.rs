@@ -86,10 +86,12 @@ pub fn radius_after(first: f32, settings: &IntegratorSettings, pass: u32) -> f32
 /// The photon of a pilot pass whose distance is the first radius of a pixel, or says how large that of adaptive photon mapping
 /// may be; zero where one radius is for all pixels.
 pub fn nearest_of_pixels(settings: &IntegratorSettings) -> u32 {
-    let own = &settings.photon;
+    let parameters = &settings.photon;
     match settings.kind {
         integrator_kind::ADAPTIVE_PHOTONS => USUAL_NEAREST,
-        integrator_kind::PROGRESSIVE_PHOTONS if !(own.initial_radius > 0.0) => own.nearest,
+        integrator_kind::PROGRESSIVE_PHOTONS if !(parameters.initial_radius > 0.0) => {
+            parameters.nearest
+        }
         _ => 0,
     }
 }

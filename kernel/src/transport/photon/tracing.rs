@@ -57,8 +57,7 @@ impl PhotonTracer<'_> {
             .interaction(direction)
             .regularized(connector.regularization.tau, connector.regularization.flags);
         self.deposit(walk, &at, store);
-        let h = connector.heuristic_at(at.point.position);
-        walk.scatter(connector.tables, &connector.rules, h, sampler, &at)
+        connector.scatter(walk, &at, sampler)
     }
 
     /// Keeps the photon of a walk where it has arrived, if a camera walk may gather it.
@@ -72,7 +71,7 @@ impl PhotonTracer<'_> {
             d_vcm: walk.arrived.d_vcm,
             d_vc: walk.arrived.d_vc,
             depth: walk.subpath.depth + 1,
-            beside: 0,
+            record: 0,
         };
         if (walk.subpath.depth > 0 || self.keeps_direct) && self.may_gather(at, &photon) {
             store.push(point.position, &photon);

@@ -5,7 +5,7 @@
 //! densities and weight; the states of the walks say which share of it is selected so. Light walks do not meet lenses (t = 0):
 //! what the sensor sees of a vertex is not turned.
 
-use super::bounce::{arrive, scatter, towards};
+use super::bounce::{arrive, meet_emitter, scatter, towards};
 use super::photons::EditedPhotons;
 use crate::path::retarget_states::{EditStates, Edits};
 use crate::path::retargeted::{IncomingDirection, Retargeted};
@@ -97,9 +97,9 @@ impl<T: Traverse> Edited<'_, '_, T> {
         let algorithm = self.algorithm;
         let connector = &algorithm.connector;
         observer.light_walk_starts(&self.start);
-        let own = algorithm.start(&self.start, sampler);
-        if own.is_some() {
-            observer.add(own);
+        let seen = algorithm.start(&self.start, sampler);
+        if seen.is_some() {
+            observer.add(seen);
         }
         let mut states = EditStates::at_emitter(edits, self.start.emitter);
         let mut walk = Walk::from_emitter(&self.start);
@@ -114,21 +114,19 @@ impl<T: Traverse> Edited<'_, '_, T> {
                 continue;
             }
             let incoming = arrive(connector, edits, &states, &walk, &mut site, sampler);
-            let own = Retargeted {
-                edits,
-                states: &states,
-                incoming,
-                label: 0,
+            // No edit turns what the sensor sees of a surface.
+            let seen_directly = Retargeted {
                 is_free: true,
+                ..Retargeted::new(edits, &states, incoming)
             };
-            let at = site.interaction(direction).retargeted(&own);
+            let at = site.interaction(direction).retargeted(&seen_directly);
             if at.is_connectable() {
                 if connector.strategies.light_image {
                     let u_lens = algorithm.lens_numbers(sampler);
                     let beta = walk.subpath.throughput;
                     let mut seen = connector.to_lens(beta, walk.arrived, depth + 1, &at, u_lens);
                     if seen.is_some() {
-                        let after = towards(connector, &at, &own, seen.ray.direction);
+                        let after = towards(connector, &at, &seen_directly, seen.ray.direction);
                         seen.value *= after.reach_sensor(edits);
                     }
                     if seen.is_some() {
@@ -149,13 +147,10 @@ impl<T: Traverse> Edited<'_, '_, T> {
                     self.light.first = self.light.first.min(self.last);
                 }
             }
-            let own = Retargeted {
-                is_free: false,
-                ..own
-            };
-            let at = site.interaction(direction).retargeted(&own);
+            let retargeted = Retargeted::new(edits, &states, incoming);
+            let at = site.interaction(direction).retargeted(&retargeted);
             let watch = |walk: &Walk, at: &Interaction<'_>| observer.scattered(walk, at);
-            (next, states) = scatter(connector, &mut walk, &at, &own, sampler, watch);
+            (next, states) = scatter(connector, &mut walk, &at, &retargeted, sampler, watch);
         }
     }
 
@@ -177,37 +172,25 @@ impl<T: Traverse> Edited<'_, '_, T> {
         while next == step::TRACE {
             sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
             let hit = self.view.traverse.closest_hit(&walk.subpath.ray);
-            let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
-            let (found, after) = connector.arrive(&mut walk, &hit, &mut site);
-            next = after;
-            if found.max_element() > 0.0 {
-                let (mut met, emitter) = connector.emitter_hit(found, depth, &hit, &site);
-                met.value *= states.reach_emitter(edits, emitter);
-                if met.is_some() {
-                    observer.emitter_hit(met, emitter);
-                }
-            }
+            let direction = walk.subpath.ray.direction;
+            next = meet_emitter(
+                connector, edits, &states, &mut walk, &hit, &mut site, observer,
+            );
             if next != step::SCATTER {
                 continue;
             }
             let incoming = arrive(connector, edits, &states, &walk, &mut site, sampler);
-            let own = Retargeted {
-                edits,
-                states: &states,
-                incoming,
-                label: 0,
-                is_free: false,
-            };
-            let at = site.interaction(direction).retargeted(&own);
+            let retargeted = Retargeted::new(edits, &states, incoming);
+            let at = site.interaction(direction).retargeted(&retargeted);
             if at.is_connectable() && connector.strategies.shows_all() {
-                self.merge(&walk, &at, &own, observer);
+                self.merge(&walk, &at, &retargeted, observer);
             }
             if at.is_connectable() && connector.strategies.heuristic.connects {
-                self.light_up(&walk, &at, &own, sampler, observer);
-                self.connect(&walk, &at, &own, &mut light_site, store, observer);
+                self.light_up(&walk, &at, &retargeted, sampler, observer);
+                self.connect(&walk, &at, &retargeted, &mut light_site, store, observer);
             }
             let watch = |walk: &Walk, at: &Interaction<'_>| observer.scattered(walk, at);
-            (next, states) = scatter(connector, &mut walk, &at, &own, sampler, watch);
+            (next, states) = scatter(connector, &mut walk, &at, &retargeted, sampler, watch);
         }
     }
 }

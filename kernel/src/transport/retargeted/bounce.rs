@@ -9,6 +9,7 @@ use crate::path::walk::LABEL_SHIFT;
 use crate::path::{Connector, Interaction, Scattered, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::{Hit, SurfacePoint};
+use crate::transport::bidirectional::PathObserver;
 use crate::transport::photon::tracing::{PhotonStore, PhotonTracer};
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -39,16 +40,33 @@ pub fn light_bounce<S: Sampler, P: EditedStore>(
     store.set_states(states);
     tracer.deposit(walk, &site.interaction(direction), store);
     let incoming = arrive(connector, edits, states, walk, site, sampler);
-    let own = Retargeted {
-        edits,
-        states,
-        incoming,
-        label: 0,
-        is_free: false,
-    };
-    let at = site.interaction(direction).retargeted(&own);
-    let (next, after) = scatter(connector, walk, &at, &own, sampler, |_, _| true);
+    let retargeted = Retargeted::new(edits, states, incoming);
+    let at = site.interaction(direction).retargeted(&retargeted);
+    let (next, after) = scatter(connector, walk, &at, &retargeted, sampler, |_, _| true);
     *states = after;
+    next
+}
+
+/// Where a camera walk has arrived: hands the selected part of the emission that it meets to the observer; returns what is next, one
+/// of [`step`].
+pub(super) fn meet_emitter(
+    connector: &Connector<'_>,
+    edits: &Edits<'_>,
+    states: &EditStates,
+    walk: &mut Walk,
+    hit: &Hit,
+    site: &mut ShadingPoint,
+    observer: &mut impl PathObserver,
+) -> u32 {
+    let depth = walk.subpath.depth;
+    let (found, next) = connector.arrive(walk, hit, site);
+    if found.max_element() > 0.0 {
+        let (mut met, emitter) = connector.emitter_hit(found, depth, hit, site);
+        met.value *= states.reach_emitter(edits, emitter);
+        if met.is_some() {
+            observer.emitter_hit(met, emitter);
+        }
+    }
     next
 }
 
@@ -79,22 +97,18 @@ pub(super) fn scatter<S: Sampler>(
     connector: &Connector<'_>,
     walk: &mut Walk,
     at: &Interaction<'_>,
-    own: &Retargeted<'_>,
+    retargeted: &Retargeted<'_>,
     sampler: &mut S,
     watch: impl FnOnce(&Walk, &Interaction<'_>) -> bool,
 ) -> (u32, EditStates) {
     let depth = walk.subpath.depth;
-    let h = connector.heuristic_at(at.point.position);
-    let next = walk.scatter(connector.tables, &connector.rules, h, sampler, at);
+    let next = connector.scatter(walk, at, sampler);
     if next != step::TRACE || walk.subpath.depth == depth {
-        return (next, *own.states);
+        return (next, *retargeted.states);
     }
-    let own = Retargeted {
-        label: walk.event >> LABEL_SHIFT,
-        ..*own
-    };
-    let at = at.retargeted(&own);
-    let after = scattered(connector, walk, &at, &own);
+    let retargeted = retargeted.labelled(walk.event >> LABEL_SHIFT);
+    let at = at.retargeted(&retargeted);
+    let after = scattered(connector, walk, &at, &retargeted);
     let goes_on = !after.is_none() && watch(walk, &at);
     (if goes_on { step::TRACE } else { step::END }, after)
 }
@@ -104,33 +118,33 @@ fn scattered(
     connector: &Connector<'_>,
     walk: &Walk,
     at: &Interaction<'_>,
-    own: &Retargeted<'_>,
+    retargeted: &Retargeted<'_>,
 ) -> EditStates {
     let direction = walk.subpath.ray.direction;
     let wo = at.effective(direction);
     let happened = Scattered::sampled(at.bsdf, connector.tables.data, at.wi, wo, walk.event);
-    own.after(at.point, happened, at.point.frame.to_world(wo))
+    retargeted.after(at.point, happened, at.point.frame.to_world(wo))
 }
 
 /// The states behind a vertex in a path that goes on along a direction.
 pub(super) fn towards(
     connector: &Connector<'_>,
     at: &Interaction<'_>,
-    own: &Retargeted<'_>,
+    retargeted: &Retargeted<'_>,
     direction: Vec3,
 ) -> EditStates {
     let happened = Scattered::towards(at, connector.tables.data, direction);
     let before = super::path::world(at, direction);
-    own.after(at.point, happened, before)
+    retargeted.after(at.point, happened, before)
 }
 
 /// The labels with which a path may go on along a direction.
 pub(super) fn labels_of(
-    own: &Retargeted<'_>,
+    retargeted: &Retargeted<'_>,
     point: &SurfacePoint,
     direction: Vec3,
 ) -> ArrayVec<u32, { MAX_EDITS + 1 }> {
-    let bits = own.labels(point, direction);
+    let bits = retargeted.labels(point, direction);
     (0..=MAX_EDITS as u32)
         .filter(|label| bits >> label & 1 != 0)
         .collect()

@@ -18,7 +18,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         &self,
         walk: &Walk,
         at: &Interaction<'_>,
-        own: &Retargeted<'_>,
+        retargeted: &Retargeted<'_>,
         sampler: &mut S,
         observer: &mut impl PathObserver,
     ) {
@@ -28,7 +28,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         if !light.is_some() {
             return;
         }
-        light_up(connector, walk, at, own, (&light, &point), observer);
+        light_up(connector, walk, at, retargeted, (&light, &point), observer);
     }
 
     /// Connections to the vertices of the light walk, by each pair of labels.
@@ -36,7 +36,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         &self,
         walk: &Walk,
         at: &Interaction<'_>,
-        own: &Retargeted<'_>,
+        retargeted: &Retargeted<'_>,
         site: &mut ShadingPoint,
         store: &V,
         observer: &mut impl PathObserver,
@@ -57,30 +57,21 @@ impl<T: Traverse> Edited<'_, '_, T> {
             if incoming.choice.label != 0 {
                 site.look_up(connector.tables, -incoming.back);
             }
-            let of_light = Retargeted {
-                edits: self.edits,
-                states: &self.light.states[kept],
-                incoming,
-                label: 0,
-                is_free: false,
-            };
+            let of_light = Retargeted::new(self.edits, &self.light.states[kept], incoming);
             let ends = labels_of(&of_light, &site.point, -direction);
             for a in ends {
-                let of_light = Retargeted {
-                    label: a,
-                    ..of_light
-                };
+                let of_light = of_light.labelled(a);
                 let light_at = site.interaction(arrived).retargeted(&of_light);
                 let end = LightEnd::new(&vertex, light_at);
-                for b in labels_of(own, at.point, direction) {
-                    let own = Retargeted { label: b, ..*own };
-                    let at = at.retargeted(&own);
+                for b in labels_of(retargeted, at.point, direction) {
+                    let retargeted = retargeted.labelled(b);
+                    let at = at.retargeted(&retargeted);
                     let mut joined = connector.inner(&end, walk, &at);
                     if !joined.is_some() {
                         continue;
                     }
                     let before = towards(connector, &light_at, &of_light, -direction);
-                    let behind = towards(connector, &at, &own, direction);
+                    let behind = towards(connector, &at, &retargeted, direction);
                     joined.value *= before.join(&behind);
                     if joined.is_some() {
                         observer.add_between(joined, &light_at, &at);
@@ -95,7 +86,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
         &self,
         walk: &Walk,
         at: &Interaction<'_>,
-        own: &Retargeted<'_>,
+        retargeted: &Retargeted<'_>,
         observer: &mut impl PathObserver,
     ) {
         let Some(photons) = self.photons else {
@@ -107,7 +98,7 @@ impl<T: Traverse> Edited<'_, '_, T> {
             photons,
             walk,
             at,
-            own,
+            retargeted,
             |photon, seen| {
                 merging_weight(
                     connector,

@@ -85,28 +85,22 @@ pub fn radiance<T: Traverse, S: Sampler>(
             let wi = point.frame.to_local(incoming.back);
             bsdf.look_up(tables, &point, wi, mode::RADIANCE);
         }
-        let own = Retargeted {
-            edits,
-            states: &states,
-            incoming,
-            label: 0,
-            is_free: false,
-        };
+        let retargeted = Retargeted::new(edits, &states, incoming);
         if bsdf.has_smooth() {
             let light = sample_light(tables, sampler, &point);
             for label in 0..=MAX_EDITS as u32 {
-                if light.is_some() && own.labels(&point, light.direction) >> label & 1 == 0 {
+                if light.is_some() && retargeted.labels(&point, light.direction) >> label & 1 == 0 {
                     continue;
                 }
-                let own = Retargeted { label, ..own };
-                let at = Interaction::new(&point, &bsdf, -back).retargeted(&own);
+                let retargeted = retargeted.labelled(label);
+                let at = Interaction::new(&point, &bsdf, -back).retargeted(&retargeted);
                 let shadow_ray = evaluate_light(tables, &rules, &light, &at);
                 if !shadow_ray.is_some() {
                     continue;
                 }
                 let scattered = Scattered::towards(&at, tables.data, light.direction);
                 let before = world(&at, light.direction);
-                let share = own
+                let share = retargeted
                     .after(&point, scattered, before)
                     .reach_emitter(edits, light.emitter);
                 if !(share.max_element() > 0.0) {
@@ -129,7 +123,7 @@ pub fn radiance<T: Traverse, S: Sampler>(
             }
         }
         let (u1, u2) = (sampler.next_1d(), sampler.next_2d());
-        let at = Interaction::new(&point, &bsdf, -back).retargeted(&own);
+        let at = Interaction::new(&point, &bsdf, -back).retargeted(&retargeted);
         let (sample, lobe) = bsdf.sample_lobe(tables.data, at.wi, u1, u2);
         let sample = bsdf.mix(tables.data, at.wi, sample, lobe);
         let mut turned = sample;
@@ -151,8 +145,8 @@ pub fn radiance<T: Traverse, S: Sampler>(
         if next == step::TRACE && path.subpath.depth > subpath.depth {
             let scattered = Scattered::sampled(&bsdf, tables.data, at.wi, sample.wo, sample.event);
             let before = point.frame.to_world(sample.wo).normalize();
-            let own = Retargeted { label, ..own };
-            let after = own.after(&point, scattered, before);
+            let retargeted = retargeted.labelled(label);
+            let after = retargeted.after(&point, scattered, before);
             if after.is_none() {
                 return;
             }
@@ -185,7 +179,7 @@ pub struct Found {
 pub(super) fn world(at: &Interaction<'_>, direction: Vec3) -> Vec3 {
     match at
         .retargeted
-        .and_then(|own| own.origin(at.point, direction))
+        .and_then(|retargeted| retargeted.origin(at.point, direction))
     {
         Some(origin) => origin.direction,
         None => direction,
@@ -207,9 +201,9 @@ fn evaluate_light(
     if !rules.allows(point, light.direction, cosine) {
         return ShadowRay::NONE;
     }
-    let origin = at.retargeted.and_then(|own| {
-        let origin = own.origin(point, light.direction)?;
-        Some((origin, own.value(point, &origin, light.direction)))
+    let origin = at.retargeted.and_then(|retargeted| {
+        let origin = retargeted.origin(point, light.direction)?;
+        Some((origin, retargeted.value(point, &origin, light.direction)))
     });
     let Some((origin, factor)) = origin else {
         return ShadowRay::NONE;

@@ -3,7 +3,7 @@
 //! A photon brings the states of its walk before it arrived. Where a camera walk gathers it, the vertex is read by the camera walk,
 //! once for every label that it allows towards where the photon came from, and both sets of states are joined.
 
-use super::bounce::{arrive, labels_of, scatter, towards};
+use super::bounce::{arrive, labels_of, meet_emitter, scatter, towards};
 use crate::bsdf::mode;
 use crate::math::{float, vec3};
 use crate::path::retarget_states::{EditStates, Edits};
@@ -29,7 +29,7 @@ use crate::transport::photon::tracing::is_found_by_photons_alone;
 pub struct EditedPhotons<'a> {
     /// The photons.
     pub photons: PassPhotons<'a>,
-    /// By [`crate::transport::photon::cache::Photon::beside`].
+    /// By [`crate::transport::photon::cache::Photon::record`].
     pub states: &'a [EditStates],
 }
 
@@ -55,29 +55,17 @@ pub fn sample_among_photons<T: Traverse, S: Sampler>(
     while next == step::TRACE {
         let hit = view.traverse.closest_hit(&walk.subpath.ray);
         let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
-        let (found, after) = connector.arrive(&mut walk, &hit, &mut site);
-        next = after;
+        next = meet_emitter(
+            connector, edits, &states, &mut walk, &hit, &mut site, observer,
+        );
         // No strategy has more than one vertex on the light's side.
         walk.arrived = PartialWeights::NONE;
-        if found.max_element() > 0.0 {
-            let (mut met, emitter) = connector.emitter_hit(found, depth, &hit, &site);
-            met.value *= states.reach_emitter(edits, emitter);
-            if met.is_some() {
-                observer.emitter_hit(met, emitter);
-            }
-        }
         if next != step::SCATTER {
             continue;
         }
         let incoming = arrive(connector, edits, &states, &walk, &mut site, sampler);
-        let own = Retargeted {
-            edits,
-            states: &states,
-            incoming,
-            label: 0,
-            is_free: false,
-        };
-        let at = site.interaction(direction).retargeted(&own);
+        let retargeted = Retargeted::new(edits, &states, incoming);
+        let at = site.interaction(direction).retargeted(&retargeted);
         let bsdf = &site.bsdf;
         let is_rough = bsdf.has_smooth() && bsdf.roughness() >= algorithm.gather_roughness;
         if bsdf.has_smooth() {
@@ -88,7 +76,14 @@ pub fn sample_among_photons<T: Traverse, S: Sampler>(
             let (light, point) =
                 sample_direct_with_point(connector.tables, at.point.position, u_select, u);
             if light.is_some() {
-                light_up(&of_light, &walk, &at, &own, (&light, &point), observer);
+                light_up(
+                    &of_light,
+                    &walk,
+                    &at,
+                    &retargeted,
+                    (&light, &point),
+                    observer,
+                );
             }
             let counts = |photon: &Photon| is_rough || is_found_by_photons_alone(photon);
             for_gathered(
@@ -96,7 +91,7 @@ pub fn sample_among_photons<T: Traverse, S: Sampler>(
                 photons,
                 &walk,
                 &at,
-                &own,
+                &retargeted,
                 |photon, _| if counts(photon) { 1.0 } else { 0.0 },
                 |met| observer.emitter_hit(met, NONE),
             );
@@ -105,7 +100,7 @@ pub fn sample_among_photons<T: Traverse, S: Sampler>(
             return;
         }
         let watch = |walk: &Walk, at: &Interaction<'_>| observer.scattered(walk, at);
-        (next, states) = scatter(connector, &mut walk, &at, &own, sampler, watch);
+        (next, states) = scatter(connector, &mut walk, &at, &retargeted, sampler, watch);
         let is_smooth = walk.subpath.depth > depth && walk.weights.d_vcm > 0.0;
         if is_rough && is_smooth {
             return;
@@ -118,17 +113,17 @@ pub(super) fn light_up(
     connector: &Connector<'_>,
     walk: &Walk,
     at: &Interaction<'_>,
-    own: &Retargeted<'_>,
+    retargeted: &Retargeted<'_>,
     (light, point): (&DirectSample, &SurfacePoint),
     observer: &mut impl PathObserver,
 ) {
-    for label in labels_of(own, at.point, light.direction) {
-        let own = Retargeted { label, ..*own };
-        let at = at.retargeted(&own);
+    for label in labels_of(retargeted, at.point, light.direction) {
+        let retargeted = retargeted.labelled(label);
+        let at = at.retargeted(&retargeted);
         let mut lit = connector.next_event_with(walk, &at, light, point);
         if lit.is_some() {
-            let after = towards(connector, &at, &own, light.direction);
-            lit.value *= after.reach_emitter(own.edits, light.emitter);
+            let after = towards(connector, &at, &retargeted, light.direction);
+            lit.value *= after.reach_emitter(retargeted.edits, light.emitter);
         }
         if lit.is_some() {
             observer.add_at(lit, &at);
@@ -142,7 +137,7 @@ pub(super) fn for_gathered(
     photons: &EditedPhotons<'_>,
     walk: &Walk,
     at: &Interaction<'_>,
-    own: &Retargeted<'_>,
+    retargeted: &Retargeted<'_>,
     weight: impl Fn(&Photon, &Evaluation) -> f32,
     mut add: impl FnMut(Contribution),
 ) {
@@ -157,9 +152,9 @@ pub(super) fn for_gathered(
             return;
         }
         let direction = -vec3(photon.direction);
-        for label in labels_of(own, at.point, direction) {
-            let own = Retargeted { label, ..*own };
-            let at = at.retargeted(&own);
+        for label in labels_of(retargeted, at.point, direction) {
+            let retargeted = retargeted.labelled(label);
+            let at = at.retargeted(&retargeted);
             let seen = at.evaluate(
                 connector.tables,
                 &connector.rules,
@@ -170,8 +165,8 @@ pub(super) fn for_gathered(
             if !seen.is_some() || !(weight > 0.0) {
                 continue;
             }
-            let behind = towards(connector, &at, &own, direction);
-            let share = photons.states[photon.beside as usize].join(&behind);
+            let behind = towards(connector, &at, &retargeted, direction);
+            let share = photons.states[photon.record as usize].join(&behind);
             if !(share.max_element() > 0.0) {
                 continue;
             }

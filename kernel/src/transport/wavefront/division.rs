@@ -82,14 +82,14 @@ impl WaveDivision<'_> {
             if !is_lit && !goes_on {
                 continue;
             }
-            let place = lanes.points.place(&expressions, k);
+            let first_letter = lanes.points.first_letter(&expressions, k);
             if is_lit {
                 let scattered = smooth::<VARIANT, N>(tables, lanes, k, || {
                     let frame = lanes.points.get(k).frame;
                     frame.to_local(lanes.lights.get(k).direction)
                 });
                 let emitter = lanes.lights.get(k).emitter;
-                if !path.sampled(&expressions, mixture, place, &scattered, emitter) {
+                if !path.sampled(&expressions, mixture, first_letter, &scattered, emitter) {
                     shadow_rays.radiance.set(k, Vec3::ZERO);
                 }
             }
@@ -100,7 +100,7 @@ impl WaveDivision<'_> {
                 } else {
                     smooth::<VARIANT, N>(tables, lanes, k, || sample.wo)
                 };
-                if !path.scattered(&expressions, mixture, place, &scattered) {
+                if !path.scattered(&expressions, mixture, first_letter, &scattered) {
                     next.continues[k] = 0;
                 }
             }

@@ -182,8 +182,8 @@ impl<S: LaneSampler, const N: usize> Wavefront<S, N> {
             shade(&mut driver);
             if let Some(division) = &mut division {
                 let expressions = division.expressions;
-                let (beside, mixture, parts) = division.path(index);
-                beside.shaded(&expressions, mixture, &mut driver, direction, depth, parts);
+                let (divided, mixture, parts) = division.path(index);
+                divided.shaded(&expressions, mixture, &mut driver, direction, depth, parts);
             }
             let (path, mut shadow_ray) = (driver.path, driver.shadow_ray);
             shadow_ray.radiance = keep.of(shadow_ray.radiance, depth + 2);

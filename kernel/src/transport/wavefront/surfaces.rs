@@ -59,7 +59,7 @@ impl<const N: usize> PointLanes<N> {
 
     /// Where the letters of point `k < N` begin; all points are of the world.
     #[inline(always)]
-    pub fn place(&self, expressions: &PathExpressions<'_>, k: usize) -> u32 {
+    pub fn first_letter(&self, expressions: &PathExpressions<'_>, k: usize) -> u32 {
         let position = if expressions.regions.is_empty() {
             Vec3::ZERO
         } else {

@@ -237,12 +237,12 @@ impl Plan<'_> {
         tree
     }
 
-    /// Makes the wide node of a binary one at `place`, and everything below it. `parts` are what was made before of the
+    /// Makes the wide node of a binary one at `target`, and everything below it. `parts` are what was made before of the
     /// nodes at [`PART_LEVEL`], or nothing.
     fn fill(
         &self,
         tree: &mut WideTree,
-        place: usize,
+        target: usize,
         index: u32,
         level: usize,
         parts: &mut dyn Iterator<Item = WideTree>,
@@ -250,7 +250,7 @@ impl Plan<'_> {
         if level == PART_LEVEL
             && let Some(part) = parts.next()
         {
-            tree.splice(place, part);
+            tree.splice(target, part);
             return;
         }
         tree.depth = tree.depth.max(level);
@@ -273,14 +273,14 @@ impl Plan<'_> {
                 0b0010_0000 | (24 + slot as u8)
             };
         }
-        tree.nodes[place] = node;
-        let mut place = tree.nodes.len();
+        tree.nodes[target] = node;
+        let mut target = tree.nodes.len();
         let inner = node.imask.count_ones() as usize;
-        tree.nodes.resize(place + inner, CwBvhNode::default());
+        tree.nodes.resize(target + inner, CwBvhNode::default());
         for (slot, child) in children.slots() {
             if node.imask & (1 << slot) != 0 {
-                self.fill(tree, place, child, level + 1, parts);
-                place += 1;
+                self.fill(tree, target, child, level + 1, parts);
+                target += 1;
             }
         }
     }
@@ -298,8 +298,8 @@ impl Plan<'_> {
 }
 
 impl WideTree {
-    /// Puts the root of `part` at `place` and appends the rest.
-    fn splice(&mut self, place: usize, part: WideTree) {
+    /// Puts the root of `part` at `target` and appends the rest.
+    fn splice(&mut self, target: usize, part: WideTree) {
         let (nodes, primitives) = (self.nodes.len() as u32 - 1, self.primitives.len() as u32);
         let mut moved = part.nodes.iter().map(|node| CwBvhNode {
             child_base_idx: node.child_base_idx + nodes,
@@ -307,7 +307,7 @@ impl WideTree {
             ..*node
         });
         if let Some(root) = moved.next() {
-            self.nodes[place] = root;
+            self.nodes[target] = root;
         }
         self.nodes.extend(moved);
         self.primitives.extend_from_slice(&part.primitives);

@@ -37,7 +37,7 @@ impl TrianglePairs {
                 continue;
             }
             let bounds = leaves[i].aabb();
-            let own = bounds.half_area();
+            let area_alone = bounds.half_area();
             let (mut best, mut least) = (NONE, f32::MAX);
             // Each of the edges ends at one of any two vertices.
             for &j in fans.two_shortest(triangle).into_iter().flatten() {
@@ -48,7 +48,7 @@ impl TrianglePairs {
                 }
                 let other = leaves[other].aabb();
                 let area = bounds.union(other).half_area();
-                if area < least && area < own + other.half_area() {
+                if area < least && area < area_alone + other.half_area() {
                     (best, least) = (j, area);
                 }
             }

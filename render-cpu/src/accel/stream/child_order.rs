@@ -119,9 +119,9 @@ mod tests {
                     // SAFETY: the processor has the features.
                     let found = unsafe { children_of(bits, inner, negative) };
                     // Bits of a slot: z the lowest, set for negative directions.
-                    let own = (negative & 1) << 2 | (negative & 2) | negative >> 2;
+                    let octant = (negative & 1) << 2 | (negative & 2) | negative >> 2;
                     let expected: Vec<u32> = (0..8)
-                        .map(|place| place ^ own)
+                        .map(|rank| rank ^ octant)
                         .filter(|slot| bits >> slot & 1 != 0)
                         .map(|slot| 1000 + (inner & ((1 << slot) - 1)).count_ones())
                         .collect();

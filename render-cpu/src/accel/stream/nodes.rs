@@ -133,8 +133,8 @@ with_avx512! {
                 // A number in unary, to be shifted by the lowest five bits: a bit for each entry, or for the child itself
                 // above those.
                 let meta = byte::<$byte>($meta);
-                let own = W16(_mm512_rolv_epi32(meta.shr::<5>().0, meta.0));
-                bits = W16::select(hit, bits | own, bits);
+                let slot_bits = W16(_mm512_rolv_epi32(meta.shr::<5>().0, meta.0));
+                bits = W16::select(hit, bits | slot_bits, bits);
             }};
         }
         child!(0, 0, meta0);

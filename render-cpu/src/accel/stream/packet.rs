@@ -128,8 +128,8 @@ with_avx512! {
             let inner = met & u32::from(node.imask);
             let leaves = met & !inner;
             if leaves != 0 {
-                for place in (0..8).rev() {
-                    let slot = place ^ order;
+                for rank in (0..8).rev() {
+                    let slot = rank ^ order;
                     if leaves & (1 << slot) == 0 {
                         continue;
                     }
@@ -145,8 +145,8 @@ with_avx512! {
                 }
             }
             if inner != 0 {
-                for place in 0..8 {
-                    let slot = place ^ order;
+                for rank in 0..8 {
+                    let slot = rank ^ order;
                     if inner & (1 << slot) != 0 {
                         let before = u32::from(node.imask) & ((1 << slot) - 1);
                         let index = node.child_base_idx + before.count_ones();

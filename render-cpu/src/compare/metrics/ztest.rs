@@ -307,8 +307,10 @@ fn smoothed(variance: &RgbImage) -> Vec<[f64; 3]> {
                     n += 1.0;
                 }
             }
-            let own = variance.pixels[y * width + x];
-            result.push(std::array::from_fn(|c| own[c].max(sum[c] / n).max(0.0)));
+            let variance_here = variance.pixels[y * width + x];
+            result.push(std::array::from_fn(|c| {
+                variance_here[c].max(sum[c] / n).max(0.0)
+            }));
         }
     }
     result

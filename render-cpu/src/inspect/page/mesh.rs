@@ -43,8 +43,8 @@ impl FlatMesh {
             }
             for index in group.quadrics.clone() {
                 let quadric = &tables.quadrics[index as usize];
-                let place = |p: Vec3| to_world(transform_point(&quadric.to_world, p));
-                mesh.add_quadric(quadric, place);
+                let to_scene = |p: Vec3| to_world(transform_point(&quadric.to_world, p));
+                mesh.add_quadric(quadric, to_scene);
             }
         }
         mesh
@@ -60,7 +60,7 @@ impl FlatMesh {
         self.indices.push(corners);
     }
 
-    fn add_quadric(&mut self, quadric: &Quadric, place: impl Fn(Vec3) -> Vec3) {
+    fn add_quadric(&mut self, quadric: &Quadric, to_scene: impl Fn(Vec3) -> Vec3) {
         let rows = match quadric.kind {
             quadric_kind::SPHERE => STEPS / 2,
             _ => 1,
@@ -78,7 +78,7 @@ impl FlatMesh {
                     quadric_kind::DISK => Vec3::new(v * cosine, v * sine, 0.0),
                     _ => Vec3::new(cosine, sine, v),
                 };
-                self.positions.push(place(local).to_array());
+                self.positions.push(to_scene(local).to_array());
             }
         }
         let at = |row: u32, column: u32| first + row * (STEPS + 1) + column;

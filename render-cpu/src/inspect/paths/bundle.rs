@@ -39,7 +39,7 @@ impl Bundle {
             .map(|p| places.paths[*p as usize].len())
             .min()
             .unwrap_or(0);
-        let place = |path: u32, i: usize| places.paths[path as usize][i].as_dvec3();
+        let position = |path: u32, i: usize| places.paths[path as usize][i].as_dvec3();
         let weight_of = |path: u32| f64::from(record.paths[path as usize].weight);
         let weight: f64 = paths.iter().map(|p| weight_of(*p)).sum();
         let share = |path: u32| {
@@ -50,13 +50,13 @@ impl Bundle {
             }
         };
         let means: Vec<DVec3> = (0..shared)
-            .map(|i| paths.iter().map(|p| share(*p) * place(*p, i)).sum())
+            .map(|i| paths.iter().map(|p| share(*p) * position(*p, i)).sum())
             .collect();
         let variances: Vec<DVec3> = (0..shared)
             .map(|i| {
                 paths
                     .iter()
-                    .map(|p| share(*p) * (place(*p, i) - means[i]).powf(2.0))
+                    .map(|p| share(*p) * (position(*p, i) - means[i]).powf(2.0))
                     .sum()
             })
             .collect();
@@ -67,7 +67,7 @@ impl Bundle {
             .map_or((0, 0), |(_, at)| at);
         let distance = |path: u32| -> f64 {
             (0..shared)
-                .map(|i| (place(path, i) - means[i]).length_squared())
+                .map(|i| (position(path, i) - means[i]).length_squared())
                 .sum()
         };
         let nearest = paths.iter().map(|p| (distance(*p), *p));

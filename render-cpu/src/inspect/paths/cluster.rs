@@ -170,8 +170,8 @@ struct Division<'a> {
 }
 
 impl Division<'_> {
-    fn label_at(&self, path: u32, place: usize) -> Option<u32> {
-        self.words[&path].get(place).copied()
+    fn label_at(&self, path: u32, index: usize) -> Option<u32> {
+        self.words[&path].get(index).copied()
     }
 
     /// The cluster of paths that share `shared` vertices with each other and `above` with their parent; `begin` is the place of
@@ -186,7 +186,7 @@ impl Division<'_> {
         {
             shared += 1;
         }
-        let own = first.map_or(&[][..], |f| &self.words[&f][above..shared]);
+        let shared_labels = first.map_or(&[][..], |f| &self.words[&f][above..shared]);
         let weight = |paths: &[u32]| -> f64 {
             paths
                 .iter()
@@ -194,7 +194,7 @@ impl Division<'_> {
                 .sum()
         };
         let mut cluster = Cluster {
-            labels: own
+            labels: shared_labels
                 .iter()
                 .map(|l| self.labels[*l as usize].clone())
                 .collect(),

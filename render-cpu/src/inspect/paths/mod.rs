@@ -41,7 +41,7 @@ impl Places {
         };
         let of_path = |path: &RecordedPath| {
             let mut before = Vec3::ZERO;
-            let place = |i: usize| {
+            let position = |i: usize| {
                 let position = Vec3::from_array(path.vertices[i].position);
                 let placed = if is_finite(path, i) {
                     position
@@ -51,7 +51,7 @@ impl Places {
                 before = placed;
                 placed
             };
-            (0..path.vertices.len()).map(place).collect()
+            (0..path.vertices.len()).map(position).collect()
         };
         Places {
             paths: record.paths.iter().map(of_path).collect(),

@@ -137,18 +137,18 @@ fn arrow<T: Traverse>(
     };
     let wide = sheet.size[0] as f32;
     for pair in points.windows(2) {
-        let place = |t: f32| pair[0].lerp(pair[1], t);
+        let position_at = |t: f32| pair[0].lerp(pair[1], t);
         let mut last: Option<(Vec2, Vec2, f32)> = None;
         for i in 0..PIECES {
             let [t0, t1] = [i, i + 1].map(|i| i as f32 / PIECES as f32);
-            let (Some(a), Some(b)) = (project(place(t0)), project(place(t1))) else {
+            let (Some(a), Some(b)) = (project(position_at(t0)), project(position_at(t1))) else {
                 continue;
             };
             // A panorama's seam is no line.
             if !(a - b).is_finite() || (a - b).length() > 0.5 * wide {
                 continue;
             }
-            let opacity = if is_hidden(view, place(0.5 * (t0 + t1))) {
+            let opacity = if is_hidden(view, position_at(0.5 * (t0 + t1))) {
                 0.25
             } else {
                 0.9

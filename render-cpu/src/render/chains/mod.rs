@@ -10,9 +10,9 @@
 //! ([`halflight_kernel::transport::settings::ChainSettings::mutations_per_pixel`]): a second or so of one processor. What users
 //! ask for, as samples per pixel, are mutations per pixel; [`MutationsPerPixel`] converts.
 
-mod beside;
 mod first_stage;
 mod group;
+mod path_tracing;
 
 use super::backend::PassEnd;
 use super::followed_samples::Followed;
@@ -25,7 +25,6 @@ use crate::film::aov::Aov;
 use crate::film::chain_counts::describe;
 use crate::integrators::{Shape, shape};
 use crate::scene::build::Scene;
-use beside::Beside;
 use first_stage::{PILOT, first_stage};
 use glam::Vec3;
 use group::{GroupImage, GroupPlan};
@@ -40,6 +39,7 @@ use halflight_kernel::transport::markov::importance::Importance;
 use halflight_kernel::transport::markov::primary_space::PrimarySpace;
 use halflight_kernel::transport::markov::{ChainAlgorithm, PrimaryChains, VeachChains};
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind, retargeted, sample_pixel};
+use path_tracing::PathTracing;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::OnceLock;
 
@@ -121,7 +121,7 @@ pub(super) fn render_groups<T: Traverse + Sync>(
     importance: &OnceLock<Vec<f32>>,
 ) -> PassEnd {
     let (view, settings, options) = (pass.view, pass.settings, pass.options);
-    let own = &settings.chains;
+    let chain_settings = &settings.chains;
     let pixels = film.width() * film.height();
     let min_edges = if direct_samples(settings, pixels) > 0 {
         3
@@ -131,15 +131,15 @@ pub(super) fn render_groups<T: Traverse + Sync>(
     let first = options.first_sample.wrapping_add(film.pixel(0, 0).count);
     // It adds to the image, not to parts of it.
     let is_plain = followed.division.is_none() && followed.edits.is_none();
-    let beside = if is_plain {
-        Beside::new(view, settings, options.seed, pixels)
+    let path_tracing = if is_plain {
+        PathTracing::new(view, settings, options.seed, pixels)
     } else {
         None
     };
-    let beside = beside.as_ref();
+    let path_tracing = path_tracing.as_ref();
     let is_primary = settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT;
     let expressions = followed.division.map(|division| division.expressions);
-    let space = PrimarySpace::new(view, settings, own.technique, min_edges)
+    let space = PrimarySpace::new(view, settings, chain_settings.technique, min_edges)
         .following(expressions, followed.edits.copied());
     let (size, offset) = (
         [film.width(), film.height()],
@@ -148,28 +148,28 @@ pub(super) fn render_groups<T: Traverse + Sync>(
     // Both are those of all groups, whichever are rendered.
     let of_first = annealing(view, settings, 0);
     let cells = importance.get_or_init(|| {
-        if own.two_stage == 0 {
+        if chain_settings.two_stage == 0 {
             return Vec::new();
         }
         if is_primary {
-            let chains = PrimaryChains::new(space, own.p_large, options.seed, PILOT);
+            let chains = PrimaryChains::new(space, chain_settings.p_large, options.seed, PILOT);
             first_stage(&chains.annealed(of_first), size, offset)
         } else {
             let chains = VeachChains::new(view, settings, min_edges, options.seed, PILOT);
             let chains = chains.edited(followed.edits);
-            let chains = chains.with_path_tracing(beside.map(|beside| beside.remainder));
+            let chains = chains.with_path_tracing(path_tracing.map(|paths| paths.remainder));
             first_stage(&chains.annealed(of_first), size, offset)
         }
     });
     let importance = Importance::new(cells, size, offset);
     let of_samples = is_primary.then(|| {
         let space = space.with_importance(importance);
-        PrimaryChains::with_constant(space, own.p_large, of_first, options.seed)
+        PrimaryChains::with_constant(space, chain_settings.p_large, of_first, options.seed)
     });
-    let job = |group, beside| GroupJob {
+    let job = |group, path_tracing| GroupJob {
         pass,
         followed,
-        beside,
+        path_tracing,
         group,
     };
     for group in first..first + groups {
@@ -187,10 +187,10 @@ pub(super) fn render_groups<T: Traverse + Sync>(
                 let division = followed.division;
                 let chains = chains.divided(division.map(|division| division.expressions));
                 let chains = chains.edited(followed.edits);
-                let chains = chains.with_path_tracing(beside.map(|beside| beside.remainder));
+                let chains = chains.with_path_tracing(path_tracing.map(|paths| paths.remainder));
                 let chains = chains.annealed(annealing(view, settings, group));
                 let chains = chains.with_importance(importance);
-                job(group, beside).add(film, &chains)
+                job(group, path_tracing).add(film, &chains)
             }
         };
         if !is_complete {
@@ -200,11 +200,11 @@ pub(super) fn render_groups<T: Traverse + Sync>(
     PassEnd::Complete
 }
 
-/// A group of chains with what goes beside them.
+/// A group of chains with the path tracing that accompanies them.
 struct GroupJob<'a, T: Traverse> {
     pass: &'a PassContext<'a, T, IndependentSampler>,
     followed: Followed<'a>,
-    beside: Option<&'a Beside>,
+    path_tracing: Option<&'a PathTracing>,
     group: u32,
 }
 
@@ -213,19 +213,19 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
     fn add<A: ChainAlgorithm>(&self, film: &mut Film, algorithm: &A) -> bool {
         let (pass, group) = (self.pass, self.group);
         let view = pass.view;
-        let own = &pass.settings.chains;
+        let chain_settings = &pass.settings.chains;
         let size = [film.width(), film.height()];
         let pixels = size[0] * size[1];
-        let mutations = u64::from(own.mutations_per_pixel(pixels)) * u64::from(pixels);
-        let chains = match own.chain_length {
-            0 => own.chains.max(1),
+        let mutations = u64::from(chain_settings.mutations_per_pixel(pixels)) * u64::from(pixels);
+        let chains = match chain_settings.chain_length {
+            0 => chain_settings.chains.max(1),
             length => mutations.div_ceil(u64::from(length)).max(1) as u32,
         };
         let steps = mutations.div_ceil(u64::from(chains)) as u32;
         let offset = FreshSamples::new(pass.options.seed ^ START_STREAM, group, 0).number(0);
         let filter = SplatFilter::new(&view.tables.camera);
         let plan = GroupPlan {
-            candidates: match own.candidates {
+            candidates: match chain_settings.candidates {
                 0 => (mutations / 16).max(1) as u32,
                 candidates => candidates,
             },
@@ -261,11 +261,11 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
         let camera = &view.tables.camera;
         let needs_surface = film.aovs().needs_surface();
         let pixels = film.width() * film.height();
-        // Path tracing beside the chains finds all direct illumination.
-        let beside = self
-            .beside
-            .map(|beside| beside.render(view, options.seed, group, film));
-        let direct = match beside {
+        // Path tracing that accompanies the chains finds all direct illumination.
+        let kept = self
+            .path_tracing
+            .map(|paths| paths.render(view, options.seed, group, film));
+        let direct = match kept {
             Some(_) => 0,
             None => direct_samples(settings, pixels),
         };
@@ -289,17 +289,18 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
                         Vec3::from_array(image[(y * width + x) as usize]) * scale
                     };
                     let mut value = sum(&image.sums[0]);
-                    if let Some(beside) = &beside {
-                        value += beside[(y * width + x) as usize];
+                    if let Some(kept) = &kept {
+                        value += kept[(y * width + x) as usize];
                     }
                     let mut parts: Vec<Vec3> = image.sums[1..].iter().map(sum).collect();
                     for i in 0..direct {
                         let number = group.wrapping_mul(direct).wrapping_add(i);
                         let seed = options.seed ^ DIRECT_STREAM;
                         let mut sampler = IndependentSampler::new(seed, index, number);
-                        let mut own = [Vec3::ZERO; MAX_PARTS];
+                        let mut of_sample = [Vec3::ZERO; MAX_PARTS];
                         let expressions = followed.division.map(|division| &division.expressions);
-                        let own = &mut own[..expressions.map_or(0, |e| e.count as usize)];
+                        let of_sample =
+                            &mut of_sample[..expressions.map_or(0, |e| e.count as usize)];
                         let found = match (followed.edits, expressions) {
                             (Some(edits), _) => retargeted::path::sample_pixel(
                                 view,
@@ -308,7 +309,7 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
                                 expressions,
                                 &mut sampler,
                                 pixel,
-                                own,
+                                of_sample,
                             ),
                             (None, None) => {
                                 sample_pixel(view, &direct_settings, &mut sampler, pixel)
@@ -319,12 +320,13 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
                                 expressions,
                                 &mut sampler,
                                 pixel,
-                                own,
+                                of_sample,
                             ),
                         };
                         if let Some(division) = followed.division {
-                            for (part, own) in parts.iter_mut().zip(&own[division.first..]) {
-                                *part += *own / direct as f32;
+                            for (part, light) in parts.iter_mut().zip(&of_sample[division.first..])
+                            {
+                                *part += *light / direct as f32;
                             }
                         }
                         value += found / direct as f32;

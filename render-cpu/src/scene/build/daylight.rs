@@ -128,7 +128,7 @@ fn to_sun(object: &Object, to_world: &DMat4, up_is_z: bool) -> Result<DVec3, Sce
     let default = LocationAndTime::default();
     let [year, month, day] = default.date;
     let [hour, minute, second] = default.time;
-    let place = LocationAndTime {
+    let observer = LocationAndTime {
         latitude: object.get_float_in("latitude", default.latitude, -90.0, 90.0)?,
         longitude: object.get_float_in("longitude", default.longitude, -180.0, 180.0)?,
         timezone: object.get_float_in("timezone", default.timezone, -14.0, 14.0)?,
@@ -143,7 +143,7 @@ fn to_sun(object: &Object, to_world: &DMat4, up_is_z: bool) -> Result<DVec3, Sce
             object.get_float_in("second", second, 0.0, 60.0)?,
         ],
     };
-    let to_sun = place.to_sun();
+    let to_sun = observer.to_sun();
     // Mitsuba 3 has the south along +x and the west along +y, 0.6 the east along +x and the north along -z.
     Ok(match up_is_z {
         true => DVec3::new(to_sun.z, to_sun.y, to_sun.x),

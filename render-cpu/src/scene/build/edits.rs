@@ -39,7 +39,7 @@ pub(super) fn build(
     tables: &Tables<'_>,
     names: &SceneNames,
 ) -> Result<SceneEdits, SceneError> {
-    let mut objects: Vec<Arc<Object>> = own(root);
+    let mut objects: Vec<Arc<Object>> = edits_of(root);
     if let Some(path) = &options.edit {
         let parsed = parse_scene(path, &[], true)?;
         parsed.root.touch();
@@ -49,7 +49,7 @@ pub(super) fn build(
                 return Err(child.object.error(message));
             }
         }
-        let of_file = own(&parsed.root);
+        let of_file = edits_of(&parsed.root);
         if of_file.is_empty() {
             return Err(parsed.root.error("there is no <edit> in the file of edits"));
         }
@@ -91,7 +91,8 @@ pub(super) fn build(
     Ok(SceneEdits::new(list, texts, compiled))
 }
 
-fn own(root: &Object) -> Vec<Arc<Object>> {
+/// The edits that stand in a file, in their order.
+fn edits_of(root: &Object) -> Vec<Arc<Object>> {
     let edits = root.children_of(ObjectKind::Edit);
     edits.map(|child| child.object.clone()).collect()
 }

@@ -32,27 +32,27 @@ fn is_of_chains(settings: &IntegratorSettings) -> bool {
 
 /// Why an algorithm cannot be regularised as its settings ask, in one sentence.
 pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
-    let own = &settings.regularization;
+    let regularization = &settings.regularization;
     let direct = settings.chains.direct_samples;
     let is_of_samples = settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT;
     let of_path = flag::ALL_LIGHTS | flag::VIRTUAL_MERGE;
-    if !own.is_some() {
+    if !regularization.is_some() {
         None
     } else if !can_be_regularized(settings) {
         Some(format!(
             "regularize and mollify are for algorithms that connect paths: {}",
             regularized_names()
         ))
-    } else if own.flags & of_path != 0 && settings.kind != integrator_kind::PATH {
+    } else if regularization.flags & of_path != 0 && settings.kind != integrator_kind::PATH {
         Some("virtual and lights=all are for path".to_string())
-    } else if own.is_adaptive() && is_of_chains(settings) {
+    } else if regularization.is_adaptive() && is_of_chains(settings) {
         Some("quality and diffusion are for path, bdpt and vcm".to_string())
-    } else if own.tau < TAU_MAX && settings.kind == integrator_kind::VEACH_MLT {
+    } else if regularization.tau < TAU_MAX && settings.kind == integrator_kind::VEACH_MLT {
         Some(
             "chains of whole paths take mollify; regularize is for pssmlt among chains".to_string(),
         )
-    } else if own.one_minus_gamma > 0.0
-        && own.one_minus_gamma != RegularizationSettings::DEFAULT_RATE
+    } else if regularization.one_minus_gamma > 0.0
+        && regularization.one_minus_gamma != RegularizationSettings::DEFAULT_RATE
         && !is_of_chains(settings)
     {
         Some("gamma is for Markov chains".to_string())
@@ -109,32 +109,33 @@ type Parse = fn(&str) -> Result<RegularizationSettings, String>;
 /// # Errors
 /// What was expected.
 pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
-    let mut own = RegularizationSettings::NONE;
+    let mut regularization = RegularizationSettings::NONE;
     for word in text.split(',').map(str::trim) {
         match word.split_once('=') {
-            Some(("tau", "inf")) => own.tau = TAU_MAX,
+            Some(("tau", "inf")) => regularization.tau = TAU_MAX,
             Some(("tau", value)) => {
-                own.tau = number(value, |v| v >= f64::from(TAU_MIN))
+                regularization.tau = number(value, |v| v >= f64::from(TAU_MIN))
                     .ok_or("tau is a value per steradian, 0.16 or more, or inf")?
                     .min(f64::from(TAU_MAX)) as f32;
             }
             Some(("fade", value)) => {
-                own.fade = number(value, |v| (0.0..=1.0).contains(&v))
-                    .ok_or("fade lies between 0 and 1")? as f32;
-                own.flags |= flag::QUALITY;
+                regularization.fade = number(value, |v| (0.0..=1.0).contains(&v))
+                    .ok_or("fade lies between 0 and 1")?
+                    as f32;
+                regularization.flags |= flag::QUALITY;
             }
-            None if word == "quality" => own.flags |= flag::QUALITY,
-            Some(("weights", "plain")) => own.flags |= flag::PLAIN_WEIGHTS,
-            None if word == "virtual" => own.flags |= flag::VIRTUAL_MERGE,
-            None if word == "diffusion" => own.flags |= flag::DIFFUSION,
+            None if word == "quality" => regularization.flags |= flag::QUALITY,
+            Some(("weights", "plain")) => regularization.flags |= flag::PLAIN_WEIGHTS,
+            None if word == "virtual" => regularization.flags |= flag::VIRTUAL_MERGE,
+            None if word == "diffusion" => regularization.flags |= flag::DIFFUSION,
             _ => shared(
                 word,
-                &mut own,
+                &mut regularization,
                 "tau=30, quality, fade=0.5, diffusion, virtual, weights=plain, constant and lights=all",
             )?,
         }
     }
-    Ok(own)
+    Ok(regularization)
 }
 
 /// Regularisation of path space: the radius r0, and what follows it.
@@ -142,7 +143,7 @@ pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
 /// # Errors
 /// What was expected.
 pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
-    let mut own = RegularizationSettings::NONE;
+    let mut regularization = RegularizationSettings::NONE;
     let mut rate = None;
     for word in text.split(',').map(str::trim) {
         match word.split_once('=') {
@@ -153,14 +154,15 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
                 };
                 let r0 = number(value, |v| (0.0..1e30).contains(&v))
                     .ok_or("r0 is a length, or as in 1% a share of the scene's radius")?;
-                own.radius = (r0 * unit) as f32;
+                regularization.radius = (r0 * unit) as f32;
                 if unit < 1.0 {
-                    own.flags |= flag::RELATIVE_RADIUS;
+                    regularization.flags |= flag::RELATIVE_RADIUS;
                 }
             }
             Some(("lambda", value)) => {
-                own.exponent = number(value, |v| is_consistent(v as f32, DIMENSIONS))
-                    .ok_or("lambda lies between 0 and 1/2")? as f32;
+                regularization.exponent = number(value, |v| is_consistent(v as f32, DIMENSIONS))
+                    .ok_or("lambda lies between 0 and 1/2")?
+                    as f32;
             }
             Some(("gamma", value)) => {
                 let gamma = number(value, |v| v > 0.0 && v <= 1.0)
@@ -168,12 +170,12 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
                 rate = Some((1.0 - gamma) as f32);
             }
             Some(("quantile", value)) => {
-                own.quantile = number(value, |v| v > 0.0 && v <= 1.0)
+                regularization.quantile = number(value, |v| v > 0.0 && v <= 1.0)
                     .ok_or("quantile is a share above 0, 1 for none")?
                     as f32;
             }
             Some(("kernel", name)) => {
-                own.kernel = match name {
+                regularization.kernel = match name {
                     "constant" => mollifier::CONSTANT,
                     "parabolic" => mollifier::PARABOLIC,
                     "quartic" => mollifier::QUARTIC,
@@ -183,20 +185,24 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
             }
             _ => shared(
                 word,
-                &mut own,
+                &mut regularization,
                 "r0=1%, lambda=0.167, gamma=0.9999, kernel=perlin, quantile=0.9, constant and lights=all",
             )?,
         }
     }
-    if own.flags & flag::CONSTANT != 0 {
-        own.one_minus_gamma = 0.0;
+    if regularization.flags & flag::CONSTANT != 0 {
+        regularization.one_minus_gamma = 0.0;
     }
-    own.one_minus_gamma = rate.unwrap_or(own.one_minus_gamma);
-    Ok(own)
+    regularization.one_minus_gamma = rate.unwrap_or(regularization.one_minus_gamma);
+    Ok(regularization)
 }
 
-fn shared(word: &str, own: &mut RegularizationSettings, known: &str) -> Result<(), String> {
-    own.flags |= match word {
+fn shared(
+    word: &str,
+    regularization: &mut RegularizationSettings,
+    known: &str,
+) -> Result<(), String> {
+    regularization.flags |= match word {
         "constant" => flag::CONSTANT,
         "lights=all" => flag::ALL_LIGHTS,
         "lights=one" => 0,
@@ -219,16 +225,22 @@ mod tests {
 
     #[test]
     fn texts_mean_what_they_say() {
-        let own = parse_regularize("tau=30").unwrap();
-        assert!(own.tau == 30.0 && own.flags == 0 && own.is_some());
-        let own = parse_regularize("tau=50, constant,lights=all").unwrap();
-        assert_eq!(own.flags, flag::CONSTANT | flag::ALL_LIGHTS);
+        let regularization = parse_regularize("tau=30").unwrap();
+        assert!(
+            regularization.tau == 30.0 && regularization.flags == 0 && regularization.is_some()
+        );
+        let regularization = parse_regularize("tau=50, constant,lights=all").unwrap();
+        assert_eq!(regularization.flags, flag::CONSTANT | flag::ALL_LIGHTS);
         assert!(!parse_regularize("tau=inf").unwrap().is_some());
-        let own = parse_mollify("r0=1%").unwrap();
-        assert!(own.radius == 0.01 && own.flags == flag::RELATIVE_RADIUS);
-        let own = parse_mollify("r0=0.25,kernel=constant,lambda=0.25").unwrap();
-        assert!(own.radius == 0.25 && own.exponent == 0.25 && own.flags == 0);
-        assert_eq!(own.kernel, mollifier::CONSTANT);
+        let regularization = parse_mollify("r0=1%").unwrap();
+        assert!(regularization.radius == 0.01 && regularization.flags == flag::RELATIVE_RADIUS);
+        let regularization = parse_mollify("r0=0.25,kernel=constant,lambda=0.25").unwrap();
+        assert!(
+            regularization.radius == 0.25
+                && regularization.exponent == 0.25
+                && regularization.flags == 0
+        );
+        assert_eq!(regularization.kernel, mollifier::CONSTANT);
         assert!(!parse_mollify("r0=0").unwrap().is_some());
         let rate = |text| parse_mollify(text).unwrap().one_minus_gamma;
         assert_eq!(rate("r0=1%"), RegularizationSettings::DEFAULT_RATE);

@@ -90,11 +90,11 @@ impl Builder {
         let range = group.triangles.start as usize..group.triangles.end as usize;
         let triangles = self.tables.triangles[range].par_iter();
         let points = triangles.with_min_len(MIN_SHARE).map(|triangle| {
-            let place = |vertex: u32| {
+            let world_position = |vertex: u32| {
                 let p = Vec3::from_array(self.tables.positions[vertex as usize]);
                 transform_point(to_world, p)
             };
-            let [a, b, c] = triangle.vertices.map(place);
+            let [a, b, c] = triangle.vertices.map(world_position);
             (a.min(b).min(c), a.max(b).max(c))
         });
         points.reduce(|| NOTHING, |a, b| (a.0.min(b.0), a.1.max(b.1)))

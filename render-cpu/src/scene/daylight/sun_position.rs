@@ -88,14 +88,14 @@ mod tests {
     use super::*;
 
     fn at(latitude: f64, longitude: f64, date: [i64; 3], hour: f64) -> (f64, f64) {
-        let place = LocationAndTime {
+        let observer = LocationAndTime {
             latitude,
             longitude,
             timezone: 0.0,
             date,
             time: [hour, 0.0, 0.0],
         };
-        let (zenith, azimuth) = place.sun();
+        let (zenith, azimuth) = observer.sun();
         (zenith.to_degrees(), azimuth.to_degrees())
     }
 
@@ -107,15 +107,17 @@ mod tests {
             (35.6894, 9.0, [0.0956952, -0.614786, 0.782867]),
             (-35.0, 12.0, [-0.84035, 0.0543873, 0.539308]),
         ] {
-            let place = LocationAndTime {
+            let observer = LocationAndTime {
                 latitude,
                 time: [hour, 0.0, 0.0],
                 ..LocationAndTime::default()
             };
             let [x, y, z] = expected;
             // Single precision there leaves some seconds of the day open.
-            let error = (place.to_sun() - DVec3::new(-y, z, x)).abs().max_element();
-            assert!(error < 5e-4, "{latitude} {hour}: {}", place.to_sun());
+            let error = (observer.to_sun() - DVec3::new(-y, z, x))
+                .abs()
+                .max_element();
+            assert!(error < 5e-4, "{latitude} {hour}: {}", observer.to_sun());
         }
     }
 

@@ -107,11 +107,11 @@ impl List {
             };
             let count = counts.entry(role).or_insert(0);
             *count += 1;
-            let place = match *count {
+            let name = match *count {
                 1 => join(role),
                 n => join(&format!("{role}_{n}")),
             };
-            self.add(child, child.id.as_deref().unwrap_or(&place));
+            self.add(child, child.id.as_deref().unwrap_or(&name));
         }
     }
 }

@@ -36,12 +36,12 @@ impl Loader<'_> {
             }
         })?;
         for (line, what) in &source.notes {
-            let place = Location {
+            let location = Location {
                 file: source.path.clone(),
                 line: *line,
                 column: 0,
             };
-            self.diagnostics.warn(&place, "XML", what)?;
+            self.diagnostics.warn(&location, "XML", what)?;
         }
         self.document.files.push(source.path.to_path_buf());
         self.open_files.push(identity(&source.path));
@@ -179,6 +179,9 @@ fn message_without_location(error: &roxmltree::Error) -> String {
         return "there is no element in it; is it a scene file?".to_owned();
     }
     let message = error.to_string();
-    let place = format!(" at {}", error.pos());
-    message.strip_suffix(&place).unwrap_or(&message).to_owned()
+    let location = format!(" at {}", error.pos());
+    message
+        .strip_suffix(&location)
+        .unwrap_or(&message)
+        .to_owned()
 }

@@ -128,9 +128,9 @@ impl Loader<'_> {
         if shown.is_empty() {
             return Ok(());
         }
-        let place = context.source.location(node.range().start + start);
+        let location = context.source.location(node.range().start + start);
         let what = format!("it stands between elements and is left out: \"{shown}\"");
-        self.diagnostics.warn(&place, "text", what)
+        self.diagnostics.warn(&location, "text", what)
     }
 
     fn child(

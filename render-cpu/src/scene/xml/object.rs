@@ -231,11 +231,11 @@ impl Object {
     /// The warning itself, when the scene is read strictly.
     pub fn warn_at(
         &self,
-        place: &Location,
+        location: &Location,
         element: String,
         message: impl Into<String>,
     ) -> Result<(), SceneError> {
-        self.diagnostics.warn(place, element, message)
+        self.diagnostics.warn(location, element, message)
     }
     /// An error at one of its properties, or at the object when there is none of that name.
     pub fn property_error(&self, name: &str, message: impl Into<String>) -> SceneError {

@@ -1,9 +1,9 @@
 //! The algorithm whose regularisation depends on the path, and the densities of a path that a strategy puts together from two
 //! subpaths, by which it is weighted.
 
-use super::records::{CameraVertex, MAX_EDGES};
+use super::records::{CameraVertex, MAX_EDGES, StrategyBuffers};
 use crate::path::path_node::PathNode;
-use crate::path::whole_weights::{Strategy, WholeDensities};
+use crate::path::path_weights::{PathDensities, Strategy};
 use crate::path::{Connector, ShadingPoint};
 use crate::regularize::heuristic::{PathDiffusion, SamplerQuality};
 use crate::regularize::settings::Regularization;
@@ -37,6 +37,26 @@ impl<'a> Adaptive<'a> {
         }
     }
 
+    /// Begins the path of a strategy with a light subpath up to `node`, whose densities to the light and to the sensor are `pdf` and
+    /// behind which the spread is `diffusion`; returns whether it fits.
+    pub(super) fn begin_path(
+        &self,
+        buffers: &mut StrategyBuffers<'_>,
+        node: &PathNode,
+        pdf: [f32; 2],
+        diffusion: PathDiffusion,
+    ) -> bool {
+        let StrategyBuffers { nodes, path, site } = buffers;
+        path.inner.clear();
+        if path.inner.try_push(node.end(pdf)).is_err() {
+            return false;
+        }
+        self.push_light(nodes, node, diffusion, path, site);
+        path.inner.reverse();
+        path.start = node.start;
+        true
+    }
+
     /// The vertices of a light subpath before `node`, from there to the light, each below its tau; `diffusion` is the spread behind
     /// `node`.
     pub(super) fn push_light(
@@ -44,7 +64,7 @@ impl<'a> Adaptive<'a> {
         nodes: &[PathNode],
         node: &PathNode,
         mut diffusion: PathDiffusion,
-        path: &mut WholeDensities,
+        path: &mut PathDensities,
         site: &mut ShadingPoint,
     ) {
         diffusion.travel(node.summary.edge);
@@ -68,7 +88,7 @@ impl<'a> Adaptive<'a> {
         &self,
         camera: &CameraVertex<'_, '_>,
         pdf: [f32; 2],
-        path: &mut WholeDensities,
+        path: &mut PathDensities,
     ) -> bool {
         if path.inner.try_push(camera.node.end(pdf)).is_err() {
             return false;
@@ -85,20 +105,20 @@ impl<'a> Adaptive<'a> {
         &self,
         nodes: &[PathNode],
         node: &PathNode,
-        path: &mut WholeDensities,
+        path: &mut PathDensities,
     ) -> bool {
         path.first = node.first;
         let mut node = Some(node);
-        while let Some(own) = node {
-            if path.inner.try_push(own.inner_vertex()).is_err() {
+        while let Some(current) = node {
+            if path.inner.try_push(current.inner_vertex()).is_err() {
                 return false;
             }
-            node = nodes.get(own.vertex.previous as usize);
+            node = nodes.get(current.vertex.previous as usize);
         }
         true
     }
 
-    pub(super) fn weight(&self, path: &WholeDensities, strategy: Strategy) -> f32 {
+    pub(super) fn weight(&self, path: &PathDensities, strategy: Strategy) -> f32 {
         let connector = &self.algorithm.connector;
         if connector.strategies.unweighted {
             return 1.0;

@@ -4,7 +4,7 @@ use super::algorithm::{Adaptive, joined};
 use super::records::{CameraVertex, StrategyBuffers};
 use crate::bsdf::mode;
 use crate::math::vec3;
-use crate::path::whole_weights::Strategy;
+use crate::path::path_weights::Strategy;
 use crate::path::{Contribution, LightEnd};
 
 impl Adaptive<'_> {
@@ -18,7 +18,8 @@ impl Adaptive<'_> {
     ) {
         let connector = &self.algorithm.connector;
         let tables = connector.tables;
-        let node = &buffers.nodes[end];
+        let nodes = buffers.nodes;
+        let node = &nodes[end];
         let at = camera.at;
         let algorithm = &self.algorithm;
         if !algorithm.may_connect(camera.walk, at, at.facing(), &node.vertex) {
@@ -55,12 +56,13 @@ impl Adaptive<'_> {
         if !(share > 0.0) {
             return;
         }
-        let own = &self.regularization;
-        let hat = at.regularized(camera.node.tau, own.flags);
+        let regularization = &self.regularization;
+        let hat = at.regularized(camera.node.tau, regularization.flags);
         let mut diffusion = camera.diffusion;
         diffusion.scatter(bound, camera.node.curvature);
         diffusion.travel(length);
-        let light_hat = light_at.regularized(own.threshold(&diffusion), own.flags);
+        let light_hat =
+            light_at.regularized(regularization.threshold(&diffusion), regularization.flags);
         let light = LightEnd::new(&node.vertex, light_hat);
         let found = self.unweighted.inner(&light, camera.walk, &hat);
         if !found.is_some() {
@@ -69,23 +71,15 @@ impl Adaptive<'_> {
         let rules = &connector.rules;
         let there = hat.evaluate(tables, rules, mode::RADIANCE, direction);
         let sent = light_hat.evaluate(tables, rules, mode::IMPORTANCE, -direction);
-        let path = &mut *buffers.path;
-        path.inner.clear();
-        if path
-            .inner
-            .try_push(node.end([sent.pdf_reverse, sent.pdf]))
-            .is_err()
-        {
+        diffusion.scatter(light_bound, node.curvature);
+        if !self.begin_path(buffers, node, [sent.pdf_reverse, sent.pdf], diffusion) {
             return;
         }
-        diffusion.scatter(light_bound, node.curvature);
-        self.push_light(buffers.nodes, node, diffusion, path, buffers.site);
-        path.inner.reverse();
+        let path = &mut *buffers.path;
         let s = path.inner.len() + 1;
         if !self.push_camera(camera, [there.pdf, there.pdf_reverse], path) {
             return;
         }
-        path.start = node.start;
         add(found.times(share * self.weight(path, Strategy::Connects(s))));
     }
 }

@@ -4,7 +4,7 @@ use super::algorithm::Adaptive;
 use super::records::StrategyBuffers;
 use crate::bsdf::mode;
 use crate::math::float;
-use crate::path::whole_weights::Strategy;
+use crate::path::path_weights::Strategy;
 use crate::path::{Contribution, Interaction, PartialWeights, Walk};
 use crate::regularize::heuristic::PathDiffusion;
 use crate::scene::camera;
@@ -14,7 +14,7 @@ impl Adaptive<'_> {
     /// A vertex of the light subpath, connected to the lens.
     pub(super) fn seen_by_lens(
         &self,
-        ends: StrategyBuffers<'_>,
+        mut buffers: StrategyBuffers<'_>,
         index: usize,
         walk: &Walk,
         at: &Interaction<'_>,
@@ -23,7 +23,8 @@ impl Adaptive<'_> {
     ) {
         let connector = &self.algorithm.connector;
         let tables = connector.tables;
-        let node = &ends.nodes[index];
+        let nodes = buffers.nodes;
+        let node = &nodes[index];
         let (throughput, edges) = (walk.subpath.throughput, walk.subpath.depth + 1);
         let seen = camera::film_position(tables, at.point.position, u_lens);
         if !seen.is_valid {
@@ -62,19 +63,11 @@ impl Adaptive<'_> {
             return;
         }
         let sent = hat.evaluate(tables, &connector.rules, mode::IMPORTANCE, seen.direction);
-        let StrategyBuffers { nodes, path, site } = ends;
-        path.inner.clear();
-        if path
-            .inner
-            .try_push(node.end([sent.pdf_reverse, sent.pdf]))
-            .is_err()
-        {
+        diffusion.scatter(bound, node.curvature);
+        if !self.begin_path(&mut buffers, node, [sent.pdf_reverse, sent.pdf], diffusion) {
             return;
         }
-        diffusion.scatter(bound, node.curvature);
-        self.push_light(nodes, node, diffusion, path, site);
-        path.inner.reverse();
-        path.start = node.start;
+        let path = buffers.path;
         path.sensor = at.point.position + seen.direction * seen.distance;
         path.first = first;
         let s = path.inner.len() + 1;

@@ -5,7 +5,7 @@ use super::records::{AdaptivePhotons, CameraVertex, StrategyBuffers};
 use crate::bsdf::mode;
 use crate::math::{float, vec3};
 use crate::path::Contribution;
-use crate::path::whole_weights::Strategy;
+use crate::path::path_weights::Strategy;
 use crate::regularize::mollifier;
 use crate::transport::photon::estimate::{KERNEL, for_photons_within, incidence};
 use crate::transport::photon::merging::merging_weight;
@@ -33,7 +33,7 @@ impl Adaptive<'_> {
             if !connector.allows_edges(edges.saturating_add(1)) || !(cosine > 0.0) {
                 return;
             }
-            let node = &photons.nodes[photon.beside as usize];
+            let node = &photons.nodes[photon.record as usize];
             let direction = -vec3(photon.direction);
             let bound = camera.node.bound_towards(at, direction);
             let is_raised = camera.node.summary.any_raised || node.summary.any_raised;
@@ -56,24 +56,24 @@ impl Adaptive<'_> {
                 ..Contribution::NONE
             };
             if share < 1.0 {
-                let own = at.evaluate(tables, rules, mode::RADIANCE, direction);
-                if own.is_some() {
+                let evaluated = at.evaluate(tables, rules, mode::RADIANCE, direction);
+                if evaluated.is_some() {
                     let weight = merging_weight(
                         connector,
                         photon.weights(),
                         camera.walk,
-                        own.pdf,
-                        own.pdf_reverse,
+                        evaluated.pdf,
+                        evaluated.pdf_reverse,
                         at.point.position,
                     );
-                    add(met(own.value, weight * (1.0 - share), 0.0));
+                    add(met(evaluated.value, weight * (1.0 - share), 0.0));
                 }
             }
             if !(share > 0.0) {
                 return;
             }
-            let own = hat.evaluate(tables, rules, mode::RADIANCE, direction);
-            if !own.is_some() {
+            let evaluated = hat.evaluate(tables, rules, mode::RADIANCE, direction);
+            if !evaluated.is_some() {
                 return;
             }
             let path = &mut *buffers.path;
@@ -83,12 +83,12 @@ impl Adaptive<'_> {
             self.push_light(photons.nodes, node, diffusion, path, buffers.site);
             path.inner.reverse();
             let i = path.inner.len() + 1;
-            if !self.push_camera(camera, [own.pdf, own.pdf_reverse], path) {
+            if !self.push_camera(camera, [evaluated.pdf, evaluated.pdf_reverse], path) {
                 return;
             }
             path.start = node.start;
             let weight = self.weight(path, Strategy::Merges(i));
-            add(met(own.value, weight * share, hat.blur()));
+            add(met(evaluated.value, weight * share, hat.blur()));
         });
     }
 }

@@ -6,8 +6,8 @@
 //! - *sampler quality*: a share of each path, which depends on its best connection, is regularised
 //!   ([`crate::regularize::heuristic::quality_share`]); the rest is what the algorithm without regularisation makes of it.
 //!
-//! Either way what is regularised at a vertex is a function of the whole path, so that the weights of its strategies (equation 13)
-//! are a partition of one; they are summed for each path anew ([`crate::path::whole_weights`]). Paths along which nothing is
+//! Either way what is regularised at a vertex is a function of the full path, so that the weights of its strategies (equation 13)
+//! are a partition of one; they are summed for each path anew ([`crate::path::path_weights`]). Paths along which nothing is
 //! shiny have the weights of the recursion, and so has the share that is not regularised.
 //!
 //! Both subpaths sample the model as it is, and their random numbers are those without regularisation. Light walks do not meet a

@@ -13,7 +13,7 @@ use crate::transport::photon::tracing::PhotonTracer;
 /// `tracer` are those without regularisation.
 pub fn photon_bounce<S: Sampler, P: NodeStore>(
     tracer: &PhotonTracer<'_>,
-    own: &Regularization,
+    regularization: &Regularization,
     walk: &mut Walk,
     last: &mut u32,
     sampler: &mut S,
@@ -32,7 +32,7 @@ pub fn photon_bounce<S: Sampler, P: NodeStore>(
     let node = PathNode::new(
         tables,
         &connector.strategies,
-        own,
+        regularization,
         walk,
         hit,
         &at,
@@ -41,13 +41,16 @@ pub fn photon_bounce<S: Sampler, P: NodeStore>(
     );
     let index = store.push_node(&node);
     // As it may be gathered where it is regularised most.
-    tracer.deposit(walk, &at.regularized(own.tau, own.flags), store);
-    let h = connector.heuristic_at(at.point.position);
+    tracer.deposit(
+        walk,
+        &at.regularized(regularization.tau, regularization.flags),
+        store,
+    );
     let depth = walk.subpath.depth;
-    let next = walk.scatter(tables, &connector.rules, h, sampler, &at);
+    let next = connector.scatter(walk, &at, sampler);
     if next == step::TRACE && walk.subpath.depth > depth {
         if let Some(node) = store.node_mut(index) {
-            node.record_scattering(tables, own, &at, walk);
+            node.record_scattering(tables, regularization, &at, walk);
         }
         *last = index;
     }

@@ -1,7 +1,7 @@
 //! What the two subpaths of a sample and the photons of a pass keep.
 
 use crate::path::path_node::PathNode;
-use crate::path::whole_weights::{LightStart, MAX_INNER, WholeDensities};
+use crate::path::path_weights::{LightStart, MAX_INNER, PathDensities};
 use crate::path::{Interaction, ShadingPoint, Walk};
 use crate::regularize::heuristic::PathDiffusion;
 use crate::transport::bidirectional::algorithm::ConnectedPoints;
@@ -21,7 +21,7 @@ pub struct AdaptiveWorkspace {
     pub(super) light: ArrayVec<PathNode, MAX_NODES>,
     pub(super) camera: ArrayVec<PathNode, MAX_NODES>,
     pub(super) points: ConnectedPoints,
-    pub(super) path: WholeDensities,
+    pub(super) path: PathDensities,
 }
 
 impl AdaptiveWorkspace {
@@ -31,7 +31,7 @@ impl AdaptiveWorkspace {
             light: ArrayVec::new(),
             camera: ArrayVec::new(),
             points: ConnectedPoints::NONE,
-            path: WholeDensities {
+            path: PathDensities {
                 inner: ArrayVec::new(),
                 start: LightStart::NONE,
                 sensor: Vec3::ZERO,
@@ -52,7 +52,7 @@ impl Default for AdaptiveWorkspace {
 pub struct AdaptivePhotons<'a> {
     /// The photons.
     pub photons: PassPhotons<'a>,
-    /// By [`crate::transport::photon::cache::Photon::beside`]; each has the index of the one before.
+    /// By [`crate::transport::photon::cache::Photon::record`]; each has the index of the one before.
     pub nodes: &'a [PathNode],
 }
 
@@ -68,7 +68,7 @@ pub trait NodeStore: PhotonStore {
 /// surface.
 pub(super) struct StrategyBuffers<'a> {
     pub nodes: &'a [PathNode],
-    pub path: &'a mut WholeDensities,
+    pub path: &'a mut PathDensities,
     pub site: &'a mut ShadingPoint,
 }
 

@@ -74,12 +74,12 @@ impl Adaptive<'_> {
             let hit = view.traverse.closest_hit(&walk.subpath.ray);
             let direction = walk.subpath.ray.direction;
             next = connector
-                .arrive(&mut walk, &hit, &mut workspace.points.own)
+                .arrive(&mut walk, &hit, &mut workspace.points.arrived)
                 .1;
             if next != step::SCATTER {
                 continue;
             }
-            let at = workspace.points.own.interaction(direction);
+            let at = workspace.points.arrived.interaction(direction);
             let before = (last, workspace.light.get(last as usize));
             let node = PathNode::new(
                 tables,
@@ -135,13 +135,13 @@ impl Adaptive<'_> {
             let buffers = StrategyBuffers {
                 nodes: &workspace.camera,
                 path: &mut workspace.path,
-                site: &mut workspace.points.own,
+                site: &mut workspace.points.arrived,
             };
             next = self.arrive(buffers, &mut walk, &hit, before, add);
             if next != step::SCATTER {
                 continue;
             }
-            let at = workspace.points.own.interaction(direction);
+            let at = workspace.points.arrived.interaction(direction);
             let distance = (at.point.position - walk.subpath.position).length();
             let first = walk.pdf_first(tables, at.point, distance);
             let sensor_bound = if strategies.light_image {
@@ -167,7 +167,7 @@ impl Adaptive<'_> {
             arrived.travel(distance);
             node.tau = self.regularization.threshold(&arrived);
             if at.is_connectable() || node.is_raised {
-                let own = CameraVertex {
+                let camera = CameraVertex {
                     walk: &walk,
                     at: &at,
                     node: &node,
@@ -180,11 +180,11 @@ impl Adaptive<'_> {
                     site: &mut workspace.points.light,
                 };
                 if let Some(photons) = photons {
-                    self.merge(&mut buffers, &own, photons, add);
+                    self.merge(&mut buffers, &camera, photons, add);
                 }
-                self.next_event(&mut buffers, &own, start, sampler, add);
+                self.next_event(&mut buffers, &camera, start, sampler, add);
                 for end in 0..workspace.light.len() {
-                    self.inner(&mut buffers, &own, end, add);
+                    self.inner(&mut buffers, &camera, end, add);
                 }
             }
             let index = workspace.camera.len();
@@ -207,9 +207,8 @@ impl Adaptive<'_> {
         node: &mut PathNode,
     ) -> u32 {
         let connector = &self.algorithm.connector;
-        let h = connector.heuristic_at(at.point.position);
         let depth = walk.subpath.depth;
-        let next = walk.scatter(connector.tables, &connector.rules, h, sampler, at);
+        let next = connector.scatter(walk, at, sampler);
         if next == step::TRACE && walk.subpath.depth > depth {
             node.record_scattering(connector.tables, &self.regularization, at, walk);
         }

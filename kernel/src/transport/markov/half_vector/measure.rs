@@ -1,6 +1,6 @@
 //! What a path carries per half vectors: the measures in which mutations propose.
 //!
-//! Let f be what a path carries in the measure of camera walks ([`crate::path::whole`]). Over the positions of the vertices between
+//! Let f be what a path carries in the measure of camera walks ([`crate::path::full_path`]). Over the positions of the vertices between
 //! x_l, nearer to the light, and x_h, which both stay, it is
 //!
 //! ```text
@@ -17,7 +17,7 @@
 //! ```
 //!
 //! At a discrete event f counts a weight instead of a density over directions to the light, which brings |dh_i / di_i|: what
-//! is left of m_i is the inverse of [`Path::light_ratio`](crate::path::whole::Path::light_ratio). Checked: chains of every kind
+//! is left of m_i is the inverse of [`Path::light_ratio`](crate::path::full_path::Path::light_ratio). Checked: chains of every kind
 //! of vertex and end keep the image (`chains` of the front end).
 
 use super::super::veach::ChainPath;

@@ -1,4 +1,4 @@
-//! Mutations of paths in half-vector space, for chains of whole paths.
+//! Mutations of paths in half-vector space, for chains of full paths.
 //!
 //! What half vectors, their constraints and walks are: [`crate::manifold`]. Here they meet real scenes:
 //!

@@ -1,4 +1,4 @@
-//! A whole path as a chain of half vectors, and vertices of chains back into the path.
+//! A full path as a chain of half vectors, and vertices of chains back into the path.
 //!
 //! The frames of all half vectors are built around one vector that is fixed in space ([`crate::manifold::vertex`]). A mutation draws it
 //! anew, so that no direction of normals is singular for good; both directions of the mutation use the same.
@@ -12,7 +12,7 @@ use crate::manifold::ChainVertex;
 use crate::manifold::constraint::inner_half_vector;
 use crate::manifold::step_size::DIFFUSE_ALPHA;
 use crate::math::Ray;
-use crate::path::whole_vertex::Vertex;
+use crate::path::full_path::vertex::Vertex;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, SurfacePoint, Tables, camera_kind, emitter_kind, lobe_kind};
 use core::ops::Range;

@@ -22,7 +22,7 @@ pub struct HalfVectorSettings {
     pub roughness: u32,
     /// One of [`half_vector_form`].
     pub form: u32,
-    /// Whether the whole path moves in half-vector space, instead of breaking up.
+    /// Whether the full path moves in half-vector space, instead of breaking up.
     pub is_original: bool,
     /// How narrow the directions are into which manifold exploration turns paths.
     pub lambda: f32,

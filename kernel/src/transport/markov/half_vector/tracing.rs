@@ -14,9 +14,9 @@ use crate::manifold::half_vector::{
 };
 use crate::manifold::vertex::vertex_kind;
 use crate::math::{Ray, float};
+use crate::path::full_path::vertex::Vertex;
 use crate::path::retarget::flow;
 use crate::path::tracer::Tracer;
-use crate::path::whole_vertex::Vertex;
 use crate::sampler::Sampler;
 use crate::scene::{NONE, Traverse};
 use glam::{Vec2, Vec3};

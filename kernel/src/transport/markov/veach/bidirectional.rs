@@ -8,8 +8,8 @@
 //! P(k') = g(k'; k),  P(m - l) = g(m - l; 2),  P(l) = 1 / (k - (m - l) + 2),  P(split) = 1 / (vertices that are added + 1).
 //! ```
 //!
-//! The density of y sums over all splits; what was kept has the same density on both sides, so the densities of whole paths
-//! ([`crate::path::whole::Path::strategy_pdf`]) replaces it:
+//! The density of y sums over all splits; what was kept has the same density on both sides, so the densities of full paths
+//! ([`crate::path::full_path::Path::strategy_pdf`]) replace it:
 //!
 //! ```text
 //! T(x -> y) / I(y) = P(k') P(m - l) P(l) P(split) sum_s p_s(y) / I(y).
@@ -17,7 +17,7 @@
 //!
 //! With a target that is mollified, a connection may blur one of its ends: which, is chosen among those that its materials allow,
 //! with the same probability each, so p_s is divided by their number. With edits the same goes for the labels that the ends of the
-//! connection can have, and walks draw the others ([`crate::path::whole_edited`]); what was kept keeps its labels too.
+//! connection can have, and walks draw the others ([`crate::path::full_path::edited`]); what was kept keeps its labels too.
 
 use super::ChainPath;
 use super::candidate::{
@@ -25,9 +25,9 @@ use super::candidate::{
 };
 use super::ends::{ConnectionEnds, end_labels, set_end_labels};
 use crate::bsdf::Bsdf;
+use crate::path::full_path::vertex::{BLURRED, SMOOTH, Vertex};
 use crate::path::retarget::flow;
 use crate::path::tracer::Tracer;
-use crate::path::whole_vertex::{BLURRED, SMOOTH, Vertex};
 use crate::sampler::Sampler;
 use crate::scene::emitter::emission;
 use crate::scene::{NONE, Traverse, camera, emitter_kind};

@@ -1,9 +1,10 @@
-//! A chain of whole paths and its steps.
+//! A chain of full paths and its steps.
 
 use super::ChainPath;
 use super::bidirectional::{self, Change};
+use super::caustic_perturbation::{light_chain, propose_from_light};
 use super::group::{VeachChains, is_countable, mutation, stream};
-use super::perturbation::{light_chain, propose_from_light, propose_from_sensor, sensor_chain};
+use super::lens_perturbation::{propose_from_sensor, sensor_chain};
 use crate::bsdf::Bsdf;
 use crate::sampler::{FreshSamples, Sampler, mix};
 use crate::scene::Traverse;

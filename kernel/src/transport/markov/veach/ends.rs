@@ -2,9 +2,9 @@
 
 use super::ChainPath;
 use crate::bsdf::{Bsdf, mode};
+use crate::path::full_path::vertex::{BLURRED, SMOOTH};
 use crate::path::retarget::{MAX_EDITS, flow};
 use crate::path::tracer::Tracer;
-use crate::path::whole_vertex::{BLURRED, SMOOTH};
 use crate::scene::{Tables, Traverse};
 use arrayvec::ArrayVec;
 

@@ -1,14 +1,14 @@
-//! A group of chains of whole paths: what it looks for, and where its chains start.
+//! A group of chains of full paths: what it looks for, and where its chains start.
 
 use super::balance::CandidatePath;
 use super::candidate;
 use super::{ChainPath, MAX_VERTICES};
 use crate::bsdf::Bsdf;
 use crate::path::PathExpressions;
+use crate::path::full_path::Blurring;
 use crate::path::remainder::Remainder;
 use crate::path::retarget_states::Edits;
 use crate::path::tracer::Tracer;
-use crate::path::whole::Blurring;
 use crate::sampler::{FreshSamples, mix};
 use crate::scene::{SceneView, Traverse};
 use crate::transport::markov::annealing::Annealing;
@@ -72,27 +72,27 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         group: u32,
     ) -> Self {
         let rules = settings.rules;
-        let own = &settings.chains;
+        let parameters = &settings.chains;
         let hidden = if rules.hide_emitters != 0 { 2 } else { 1 };
         let min_edges = min_edges.max(hidden) as usize;
         VeachChains {
             tracer: Tracer {
                 view,
                 rules,
-                beside: None,
+                remainder: None,
                 edits: None,
             },
             min_edges,
             limits: [min_edges, (rules.max_depth as usize).min(MAX_VERTICES - 1)],
             weights: [
-                own.bidirectional_weight,
-                own.lens_weight,
-                own.caustic_weight,
-                own.multi_chain_weight,
-                own.manifold_weight,
-                own.half_vector_weight,
+                parameters.bidirectional_weight,
+                parameters.lens_weight,
+                parameters.caustic_weight,
+                parameters.multi_chain_weight,
+                parameters.manifold_weight,
+                parameters.half_vector_weight,
             ],
-            half_vectors: HalfVectorSettings::new(own),
+            half_vectors: HalfVectorSettings::new(parameters),
             annealing: Annealing::NONE,
             importance: Importance::EVEN,
             seed,
@@ -101,10 +101,10 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
         }
     }
 
-    /// Beside path tracing, which keeps part of what it finds.
+    /// Together with path tracing, which keeps part of what it finds.
     #[must_use]
     pub fn with_path_tracing(mut self, remainder: Option<Remainder>) -> Self {
-        self.tracer.beside = remainder;
+        self.tracer.remainder = remainder;
         self
     }
 
@@ -134,10 +134,10 @@ impl<'a, T: Traverse + Sync> VeachChains<'a, T> {
 
     /// How the paths of a chain are blurred after so many steps.
     pub(super) fn blurring(&self, step: u32) -> Blurring {
-        let own = self.annealing.at(step);
+        let regularization = self.annealing.at(step);
         Blurring {
-            radius: own.radius,
-            kernel: own.kernel,
+            radius: regularization.radius,
+            kernel: regularization.kernel,
         }
     }
 

@@ -1,7 +1,8 @@
-//! Veach's Metropolis light transport: mutations of whole paths (Veach 1997, chapter 11; Veach and Guibas 1997).
+//! Veach's Metropolis light transport: mutations of full paths (Veach 1997, chapter 11; Veach and Guibas 1997).
 //!
 //! - [`bidirectional`]: part of the path is deleted and replaced by walks from both of its ends;
-//! - [`perturbation`]: the lens, multi-chain and caustic perturbations move some of the vertices a little;
+//! - [`perturbation`], [`lens_perturbation`], [`caustic_perturbation`]: the vertices of one end of a path move a little, through the
+//!   same discrete events;
 //! - [`candidate`]: paths from which chains start;
 //! - [`ends`]: what connections may make of the ends of their edge;
 //! - [`group`], [`chain`]: what a group of chains looks for, and the steps of a chain;
@@ -15,14 +16,16 @@
 pub mod balance;
 pub mod bidirectional;
 pub mod candidate;
+pub mod caustic_perturbation;
 pub mod chain;
 pub mod ends;
 pub mod group;
+pub mod lens_perturbation;
 pub mod perturbation;
 
 pub use group::VeachChains;
 
-use crate::path::whole::Path;
+use crate::path::full_path::Path;
 
 /// Most vertices of a path.
 pub const MAX_VERTICES: usize = 32;

@@ -43,12 +43,12 @@ pub(super) fn bsdfs(
         let wanted: Vec<(usize, &mut MtlMaterial)> = materials
             .iter_mut()
             .filter_map(|m| Some((names.iter().position(|name| *name == m.name)?, m)))
-            .filter(|(place, _)| found[*place].is_none())
+            .filter(|(index, _)| found[*index].is_none())
             .collect();
         let mut text = String::from("<scene version=\"0.6.0\">");
         let mut line = 1;
         let mut places = Vec::new();
-        for (place, material) in wanted {
+        for (index, material) in wanted {
             find_maps(object, &path, &folder, material);
             say_what_is_lost(object, &path, material)?;
             // Each on its own line of the library, so that messages name that.
@@ -57,13 +57,13 @@ pub(super) fn bsdfs(
                 line += 1;
             }
             text.push_str(&material.bsdf());
-            places.push(place);
+            places.push(index);
         }
         text.push_str("</scene>");
         let root = parse_definitions(&text, &path, FIRST_INDEX + *count * INDICES, object)?;
         *count += 1;
-        for (place, child) in places.iter().zip(root.children_of(ObjectKind::Bsdf)) {
-            found[*place] = Some(child.object.clone());
+        for (index, child) in places.iter().zip(root.children_of(ObjectKind::Bsdf)) {
+            found[*index] = Some(child.object.clone());
         }
     }
     Ok(found)
@@ -72,8 +72,8 @@ pub(super) fn bsdfs(
 /// Replaces the names of a material's maps by the files that there are, beside the library or the mesh or where the scene's files
 /// are sought; paths of other machines by their last part. A map that is nowhere is taken away, and this is said.
 fn find_maps(object: &Object, library: &Path, folder: &Path, material: &mut MtlMaterial) {
-    let beside = library.parent().unwrap_or(folder).to_path_buf();
-    let mut folders = vec![beside, folder.to_path_buf()];
+    let of_library = library.parent().unwrap_or(folder).to_path_buf();
+    let mut folders = vec![of_library, folder.to_path_buf()];
     folders.extend_from_slice(object.search_paths());
     let mut missing = Vec::new();
     for slot in material.maps() {
@@ -105,12 +105,16 @@ fn say_what_is_lost(
     material: &MtlMaterial,
 ) -> Result<(), SceneError> {
     for (line, what) in &material.warnings {
-        let place = Location {
+        let location = Location {
             file: library.into(),
             line: u32::try_from(*line).unwrap_or(0),
             column: 0,
         };
-        object.warn_at(&place, format!("the material \"{}\"", material.name), what)?;
+        object.warn_at(
+            &location,
+            format!("the material \"{}\"", material.name),
+            what,
+        )?;
     }
     Ok(())
 }

@@ -1,13 +1,14 @@
-//! The shares of path expressions in a whole path ([`super::expression`]).
+//! The shares of path expressions in a full path ([`crate::path::expression`]).
 //!
-//! Hosts only, as whole paths are.
+//! Hosts only, as full paths are.
 
-use super::expression::PathExpressions;
-use super::path_states::{PathStates, Shares};
-use super::retarget_states::Edits;
-use super::scattered::Scattered;
-use super::whole::Path;
+use super::Path;
 use crate::bsdf::{Bsdf, mode};
+use crate::path::expression::PathExpressions;
+use crate::path::expression_shares::Shares;
+use crate::path::path_states::PathStates;
+use crate::path::retarget_states::Edits;
+use crate::path::scattered::Scattered;
 use crate::scene::Tables;
 
 impl<const N: usize> Path<N> {

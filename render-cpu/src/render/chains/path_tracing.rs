@@ -1,4 +1,4 @@
-//! Path tracing beside chains: what it finds well is left to it ([`halflight_kernel::path::remainder`]).
+//! Path tracing that accompanies chains: what it finds well is left to it ([`halflight_kernel::path::remainder`]).
 //!
 //! A group of chains comes with as many samples of path tracing per pixel as [`PATHS_PER_MUTATION`] says, in the same waves as those
 //! of path tracing alone. How much they keep is chosen once, from candidates of their own, and is the same for all groups, so
@@ -40,26 +40,26 @@ const STREAM: u32 = 0x7be5_19d3;
 const BAND: usize = 8;
 
 /// Path tracing for the chains of an image.
-pub struct Beside {
+pub struct PathTracing {
     settings: IntegratorSettings,
     /// What it leaves to them.
     pub remainder: Remainder,
     samples: u32,
 }
 
-impl Beside {
-    /// For chains of whole paths that say nothing of direct illumination; none in scenes with masks, whose passage path tracing and
+impl PathTracing {
+    /// For chains of full paths that say nothing of direct illumination; none in scenes with masks, whose passage path tracing and
     /// chains sample differently.
     pub fn new<T: Traverse + Sync>(
         view: &SceneView<'_, T>,
         settings: &IntegratorSettings,
         seed: u32,
         pixels: u32,
-    ) -> Option<Beside> {
-        let own = &settings.chains;
+    ) -> Option<PathTracing> {
+        let chain_settings = &settings.chains;
         let has_masks = view.tables.info.flags & scene_flag::HAS_NULL != 0;
         if settings.kind != integrator_kind::VEACH_MLT
-            || own.direct_samples != ChainSettings::SOME
+            || chain_settings.direct_samples != ChainSettings::SOME
             || has_masks
         {
             return None;
@@ -67,7 +67,7 @@ impl Beside {
         let chains = VeachChains::new(view, settings, LEAST_EDGES, seed, PILOT);
         let radius = view.tables.info.radius;
         let chains = chains.annealed(Annealing::of_group(&settings.regularization, radius, 0));
-        let mutations = u64::from(own.mutations_per_pixel(pixels)) * u64::from(pixels);
+        let mutations = u64::from(chain_settings.mutations_per_pixel(pixels)) * u64::from(pixels);
         let candidates =
             (mutations / 64).clamp(LEAST_CANDIDATES.into(), MOST_CANDIDATES.into()) as u32;
         let chunks = candidates.div_ceil(CHUNK);
@@ -91,7 +91,7 @@ impl Beside {
             "chains are left {:.1} % of the light, beside {paths} paths per mutation",
             100.0 * found.left
         );
-        Some(Beside {
+        Some(PathTracing {
             settings: IntegratorSettings {
                 kind: integrator_kind::PATH,
                 rules: PathRules {
@@ -102,7 +102,7 @@ impl Beside {
                 ..*settings
             },
             remainder: found.remainder,
-            samples: own.mutations_per_pixel(pixels) * paths,
+            samples: chain_settings.mutations_per_pixel(pixels) * paths,
         })
     }
 

@@ -1,11 +1,11 @@
-//! Whole paths with edits ([`super::retarget`]), and the walks that make them.
+//! Full paths with edits ([`crate::path::retarget`]), and the walks that make them.
 //!
 //! A state of a chain is a **labelled path**: its vertices where light really goes, and at each the labels of both flows
-//! ([`super::retarget_states`]). It carries what its vertices scatter between the directions before the turns, R of those along its
+//! ([`crate::path::retarget_states`]). It carries what its vertices scatter between the directions before the turns, R of those along its
 //! edges, times the factors of its edits and the share of it that the selections allow; labels that are not those of the
 //! selections carry nothing. So chains look for the same image as walks that turn as they go.
 //!
-//! Measure: that of [`super::whole`], solid angles of true directions, so f |cos| towards the light of a vertex that an edit of
+//! Measure: that of [`super`], solid angles of true directions, so f |cos| towards the light of a vertex that an edit of
 //! importance turns takes |dR o / do|, and so do densities. At a discrete event, which is no part of any density, only the quotient
 //! of both Jacobians is left, in the ratio by which a light walk differs from a camera walk.
 //!
@@ -18,16 +18,16 @@
 //!
 //! Invariant (tests): chains of such paths have the image of path tracing with the same edits, whatever the mutation.
 //!
-//! Hosts only, as [`super::whole`].
+//! Hosts only, as [`super`].
 
-use super::retarget::{MAX_EDITS, Redirection, flow};
-use super::retarget_states::{EditStates, Edits};
-use super::retargeted::{IncomingDirection, Retargeted};
-use super::scattered::Scattered;
-use super::whole::Path;
-use super::whole_vertex::Vertex;
+use super::Path;
+use super::vertex::Vertex;
 use crate::bsdf::{Bsdf, BsdfSample, mode};
 use crate::math::Rgb;
+use crate::path::retarget::{MAX_EDITS, Redirection, flow};
+use crate::path::retarget_states::{EditStates, Edits};
+use crate::path::retargeted::{IncomingDirection, Retargeted};
+use crate::path::scattered::Scattered;
 use crate::sampler::Sampler;
 use crate::scene::{SurfacePoint, Tables};
 use arrayvec::ArrayVec;
@@ -62,7 +62,7 @@ impl<'a> EditedWalk<'a> {
     }
 
     /// The flow that it goes with.
-    fn own(&self) -> usize {
+    fn flow(&self) -> usize {
         self.states.flow() as usize
     }
 
@@ -97,7 +97,7 @@ impl<'a> EditedWalk<'a> {
             1 => 0,
             count => ((sampler.next_1d() * count as f32) as usize).min(count - 1),
         };
-        vertex.labels[1 - self.own()] = ways[chosen].choice.label;
+        vertex.labels[1 - self.flow()] = ways[chosen].choice.label;
         true
     }
 
@@ -106,7 +106,7 @@ impl<'a> EditedWalk<'a> {
         if self.is_first {
             return Some(IncomingDirection::unedited(back));
         }
-        let other = 1 - self.own();
+        let other = 1 - self.flow();
         let label = vertex.labels[other];
         IncomingDirection::labelled(self.edits, other as u32, &vertex.point, back, label)
     }
@@ -126,27 +126,18 @@ impl<'a> EditedWalk<'a> {
         let point = &vertex.point;
         let wi = point.frame.to_local(incoming.back);
         let scattered = Scattered::sampled(bsdf, tables.data, wi, sample.wo, sample.event);
-        let own = self.at(incoming, 0);
-        let turned = own.redirect(point, &scattered, sampled, || sampler.next_1d());
-        let own = Retargeted {
-            label: turned.label,
-            ..own
-        };
-        let after = own.after(point, scattered, sampled);
-        vertex.labels[self.own()] = turned.label;
+        let retargeted = self.at(incoming, 0);
+        let turned = retargeted.redirect(point, &scattered, sampled, || sampler.next_1d());
+        let retargeted = retargeted.labelled(turned.label);
+        let after = retargeted.after(point, scattered, sampled);
+        vertex.labels[self.flow()] = turned.label;
         self.states = after;
         self.is_first = false;
         turned.direction
     }
 
     fn at(&self, incoming: IncomingDirection, label: u32) -> Retargeted<'_> {
-        Retargeted {
-            edits: self.edits,
-            states: &self.states,
-            incoming,
-            label,
-            is_free: false,
-        }
+        Retargeted::new(self.edits, &self.states, incoming).labelled(label)
     }
 
     /// Passes vertex `i` of a path; returns the probabilities with which it guesses the label of the other flow and draws its own.
@@ -165,15 +156,15 @@ impl<'a> EditedWalk<'a> {
         }
         let [back, direction] = ends;
         let ways = self.ways(tables, point, back, bsdf);
-        let of_other = vertex.labels[1 - self.own()];
+        let of_other = vertex.labels[1 - self.flow()];
         let incoming = *ways.iter().find(|way| way.choice.label == of_other)?;
-        let own = self.at(incoming, vertex.labels[self.own()]);
-        let origin = own.origin(point, direction)?;
+        let retargeted = self.at(incoming, vertex.labels[self.flow()]);
+        let origin = retargeted.origin(point, direction)?;
         let [wi, wo] = [incoming.back, origin.direction].map(|w| point.frame.to_local(w));
         bsdf.look_up(tables, point, wi, mode::RADIANCE);
         let scattered = Scattered::sampled(bsdf, tables.data, wi, wo, vertex.event);
-        let probability = own.probability(point, &scattered, origin.direction);
-        let after = own.after(point, scattered, origin.direction);
+        let probability = retargeted.probability(point, &scattered, origin.direction);
+        let after = retargeted.after(point, scattered, origin.direction);
         self.states = after;
         self.is_first = false;
         Some([1.0 / ways.len() as f32, probability])
@@ -279,12 +270,12 @@ impl<const N: usize> Path<N> {
         let k = self.edges();
         let mut walk = EditedWalk::at_sensor(edits);
         for i in (1..k).rev() {
-            let Some([guess, own]) = walk.pass(tables, self, i, bsdf) else {
+            let Some([guess, turn]) = walk.pass(tables, self, i, bsdf) else {
                 return Vec3::ZERO;
             };
             let vertex = &mut self.vertices[i];
             vertex.guesses[flow::IMPORTANCE as usize] = guess;
-            vertex.pdf_to_light *= own;
+            vertex.pdf_to_light *= turn;
         }
         let share = walk.states.reach_emitter(edits, self.emitter);
         if !(share.max_element() > 0.0) {
@@ -299,10 +290,10 @@ impl<const N: usize> Path<N> {
                 None
             };
             is_possible = found.is_some();
-            let [guess, own] = found.unwrap_or([0.0; 2]);
+            let [guess, turn] = found.unwrap_or([0.0; 2]);
             let vertex = &mut self.vertices[i];
             vertex.guesses[flow::LIGHT as usize] = guess;
-            vertex.pdf_to_sensor *= own;
+            vertex.pdf_to_sensor *= turn;
         }
         share
     }

@@ -1,20 +1,20 @@
-//! Whole paths with a specular vertex that is connected all the same, its discrete events blurred ([`super::mollified`]).
+//! Full paths with a specular vertex that is connected all the same, its discrete events blurred ([`crate::path::mollified`]).
 //!
-//! As in bidirectional path tracing ([`super::specular_chain`]) that is a vertex of a path that nothing samples: the specular end
+//! As in bidirectional path tracing ([`crate::path::specular_chain`]) that is a vertex of a path that nothing samples: the specular end
 //! of the longest edge that joins such a vertex with one that is not specular, of equal ones of that nearest to the light. The only
 //! strategy that can make the path is the one that connects this edge.
 //!
 //! Invariant (tests): chains of such paths have the image of mollified bidirectional path tracing, block by block.
 //!
-//! Hosts only, as [`super::whole`].
+//! Hosts only, as [`super`].
 
-use super::evaluation::Interaction;
-use super::mollified::{Blur, mollified};
-use super::rules::PathRules;
-use super::whole::Path;
-use super::whole_vertex::{BLURRED, SMOOTH};
+use super::Path;
+use super::vertex::{BLURRED, SMOOTH};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Rgb, float};
+use crate::path::evaluation::Interaction;
+use crate::path::mollified::{Blur, mollified};
+use crate::path::rules::PathRules;
 use crate::scene::emitter::emission::is_delta;
 use crate::scene::{Tables, camera};
 
@@ -82,7 +82,7 @@ impl<const N: usize> Path<N> {
         chosen
     }
 
-    /// What a blurred vertex scatters, in the measure of whole paths.
+    /// What a blurred vertex scatters, in the measure of full paths.
     pub(super) fn blurred_value(
         &self,
         tables: &Tables<'_>,

@@ -1,8 +1,8 @@
-//! Densities of the strategies that make a whole path ([`super::whole`]), from those at its vertices.
+//! Densities of the strategies that make a full path ([`super`]), from those at its vertices.
 //!
-//! Hosts only, as whole paths are.
+//! Hosts only, as full paths are.
 
-use super::whole::Path;
+use super::Path;
 use crate::scene::emitter;
 use crate::scene::emitter::emission::{self, is_delta, is_infinite};
 use crate::scene::{SurfacePoint, Tables, emitter_kind};

@@ -1,4 +1,4 @@
-//! Weights of the strategies of a whole path, from the densities at its vertices.
+//! Weights of the strategies of a full path, from the densities at its vertices.
 //!
 //! The recursion along subpaths ([`super::weight`]) needs densities that a subpath knows by itself. Where the regularisation of a
 //! vertex depends on the rest of the path (Jendersie and Grosch 2019, section 3.5), its density p_hat does too, and the sum over
@@ -18,7 +18,7 @@
 //!
 //! Invariant (tests): equal to the weights of the recursion where a vertex's regularisation does not depend on the rest.
 //!
-//! Hosts only, because it needs the whole path.
+//! Hosts only, because it needs the full path.
 
 use super::strategies::Strategies;
 use arrayvec::ArrayVec;
@@ -91,7 +91,7 @@ pub enum Strategy {
 
 /// A path as its weights see it.
 #[derive(Clone, Debug)]
-pub struct WholeDensities {
+pub struct PathDensities {
     /// x_1 to x_(k-1).
     pub inner: ArrayVec<InnerVertex, MAX_INNER>,
     /// x_0.
@@ -105,12 +105,12 @@ pub struct WholeDensities {
 /// Far above all that a weight distinguishes from zero, and far below what does not fit.
 const LARGEST: f64 = 1e60;
 
-impl WholeDensities {
-    /// The weight of `own`, one of the strategies of the path; `merging` is eta at a position, zero where nothing is merged.
+impl PathDensities {
+    /// The weight of `strategy`, one of the strategies of the path; `merging` is eta at a position, zero where nothing is merged.
     pub fn weight(
         &self,
         strategies: &Strategies,
-        own: Strategy,
+        strategy: Strategy,
         merging: impl Fn(Vec3) -> f32,
     ) -> f32 {
         let k = self.inner.len() + 1;
@@ -122,8 +122,8 @@ impl WholeDensities {
                 x
             }
         };
-        // p_s over the p of the strategy `own`, for s from its own on upwards and then downwards.
-        let (start, scale) = match own {
+        // p_s over the p of `strategy`, for s from its own on upwards and then downwards.
+        let (start, scale) = match strategy {
             Strategy::Connects(s) => (s, 1.0),
             Strategy::Merges(i) => {
                 let eta = f64::from(merging(self.vertex(i).position));
@@ -132,11 +132,11 @@ impl WholeDensities {
         };
         let mut sum = 1.0;
         let mut add = |s: usize, ratio: f64| {
-            if own != Strategy::Connects(s) && self.connects(strategies, s) {
+            if strategy != Strategy::Connects(s) && self.connects(strategies, s) {
                 sum += h(ratio);
             }
             let at = s.wrapping_sub(1);
-            if own != Strategy::Merges(at) && self.merges(at) {
+            if strategy != Strategy::Merges(at) && self.merges(at) {
                 let eta = f64::from(merging(self.vertex(at).position));
                 if eta > 0.0 {
                     sum += h(ratio * eta * self.density_from_sensor(at));

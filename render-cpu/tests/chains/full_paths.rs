@@ -1,4 +1,4 @@
-//! Chains of whole paths: each mutation alone leaves the distribution of paths as it is.
+//! Chains of full paths: each mutation alone leaves the distribution of paths as it is.
 //!
 //! Chains start from paths drawn with the density that they shall keep, so the image stays that of path tracing whichever mutations
 //! they make, if each keeps detailed balance, and drifts away if one does not: the longer the chains, the farther.

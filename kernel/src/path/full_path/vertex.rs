@@ -1,10 +1,10 @@
-//! A vertex of a whole path ([`super::whole`]).
+//! A vertex of a full path ([`super`]).
 //!
-//! Hosts only, as whole paths are.
+//! Hosts only, as full paths are.
 
-use super::visibility::has_masks;
 use crate::bsdf::null_transmittance;
 use crate::math::{Ray, Rgb};
+use crate::path::visibility::has_masks;
 use crate::scene::surface::{detail, surface_with};
 use crate::scene::{Hit, NONE, SurfacePoint, Tables};
 use glam::Vec3;
@@ -12,10 +12,10 @@ use glam::Vec3;
 /// Marks a vertex that is no discrete event.
 pub const SMOOTH: u32 = 0;
 
-/// Marks a vertex whose discrete events are blurred ([`super::mollified`]), so that it may be connected.
+/// Marks a vertex whose discrete events are blurred ([`crate::path::mollified`]), so that it may be connected.
 pub const BLURRED: u32 = u32::MAX;
 
-/// A vertex of a whole path.
+/// A vertex of a full path.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
     /// The surface point; of a point light and of the lens only the position means anything.
@@ -37,14 +37,14 @@ pub struct Vertex {
     pub stop: f32,
     /// The edge to the next vertex.
     pub edge: Edge,
-    /// By the flow of edits, one of [`super::retarget::flow`]: one more than the number of the edit that has turned the direction
+    /// By the flow of edits, one of [`crate::path::retarget::flow`]: one more than the number of the edit that has turned the direction
     /// which leads on with it, of light to the next vertex and of importance to the one before; zero for none.
     pub labels: [u32; 2],
     /// By the flow with which a walk goes: probability that it guesses the label of the other.
     pub guesses: [f32; 2],
 }
 
-/// What lies along an edge of a whole path.
+/// What lies along an edge of a full path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
     /// Transmittance.

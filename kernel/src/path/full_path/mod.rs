@@ -1,4 +1,4 @@
-//! Whole paths, vertex by vertex: what they carry, and the density of every strategy that can make them.
+//! Full paths, vertex by vertex: what they carry, and the density of every strategy that can make them.
 //!
 //! A path x_0 ... x_k goes from a light to a lens. Its contribution is written in the measure in which a camera walk would have
 //! sampled it: a film position, a lens point, and at each vertex that is no discrete event the solid angle of the direction
@@ -8,7 +8,7 @@
 //! f = Le(x_0 -> x_1) prod_(i=1)^(k-1) f_i |cos_i| prod_edges transmittance,
 //! ```
 //!
-//! with f_i |cos_i| the number that [`super::evaluation`] defines; at a discrete event it is the event's weight times its
+//! with f_i |cos_i| the number that [`crate::path::evaluation`] defines; at a discrete event it is the event's weight times its
 //! probability. A vertex that the light walk samples has its density in the same measure, by the conservation of etendue
 //!
 //! ```text
@@ -27,20 +27,26 @@
 //! extent or without a direction have formal densities, which no strategy but those that start on them or choose
 //! them can have, so that they cancel.
 //!
-//! Every strategy's estimate of the path is then f / p_s, whatever the measure (`whole_densities.rs`).
+//! Every strategy's estimate of the path is then f / p_s, whatever the measure (`full_path::densities.rs`).
 //! Invariant (tests): paths weighted by f / sum_s p_s have the image of bidirectional path tracing, block by block.
 //!
-//! With [`Blurring`], one vertex of a path that nothing samples may be specular and connected all the same (`whole_blurred.rs`).
-//! Where edits turn directions, vertices have labels (`whole_edited.rs`).
+//! With [`Blurring`], one vertex of a path that nothing samples may be specular and connected all the same (`full_path::blurred.rs`).
+//! Where edits turn directions, vertices have labels (`full_path::edited.rs`).
 //!
 //! Hosts only: a path holds its surface points, because chains come back to them many times.
 
-use super::retarget_states::Edits;
-use super::rules::PathRules;
-use super::specular::discrete;
-use super::whole_vertex::{BLURRED, Vertex};
+mod blurred;
+mod densities;
+pub mod edited;
+mod shares;
+pub mod vertex;
+
+use self::vertex::{BLURRED, Vertex};
 use crate::bsdf::{Bsdf, mode};
 use crate::math::{Rgb, float, luminance, vec3};
+use crate::path::retarget_states::Edits;
+use crate::path::rules::PathRules;
+use crate::path::specular::discrete;
 use crate::scene::emitter::emission::is_infinite;
 use crate::scene::emitter::{area_radiance, delta, environment_radiance};
 use crate::scene::{NONE, Tables, camera, emitter_kind};
@@ -64,7 +70,7 @@ impl Blurring {
     };
 }
 
-/// A whole path of at most `N` vertices.
+/// A full path of at most `N` vertices.
 #[derive(Clone, Debug)]
 pub struct Path<const N: usize> {
     /// From the light to the lens; that of a light at infinity stands for its direction alone.

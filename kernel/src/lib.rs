@@ -1,8 +1,8 @@
 //! Light transport mathematics for CPUs and Vulkan shaders.
 //!
 //! One `no_std`, allocation-free crate: scattering models, scene views, samplers and light-transport
-//! algorithms as plain functions over borrowed tables. The CPU front end calls them with a traverser
-//! from obvhs, the shaders with the crate's own BVH2 walk; only traversal, sampler and film differ.
+//! algorithms as plain functions over borrowed tables. The CPU front end calls them with its own walks
+//! of wide trees, the shaders with the crate's BVH2 walk; only traversal, sampler and film differ.
 //!
 //! # How to read it
 //! Each module depends on those above it in this table only, and no two files import each other.

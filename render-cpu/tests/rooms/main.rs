@@ -1,5 +1,6 @@
-//! The order of the house: no two files of a crate import each other, directly or by way of others, and the rooms of the kernel
-//! import those before them only (README, "How to read the code").
+//! The order of the house: no two files of a crate import each other, directly or by way of others, the rooms of the kernel
+//! import those before them only (README, "How to read the code"), and a file has one concept and at most [`MOST_LINES`] lines, or
+//! says in its header why it is longer ([`REASON`]).
 //!
 //! Files are parsed, not searched for words, so comments, strings and inline modules do not count. An arrow goes from a file to the
 //! one that defines the item that it names, whatever re-exports lie between. Methods are called without a path and do not count.
@@ -23,6 +24,39 @@ const ROOMS: [&str; 9] = [
     "path",
     "transport",
 ];
+
+/// Most lines of a file.
+const MOST_LINES: usize = 400;
+
+/// What the module comment of a longer file says, followed by the reason.
+const REASON: &str = "//! Longer than 400 lines, because ";
+
+/// Folders with files in Rust, tests and programs included.
+const FOLDERS: [&str; 5] = ["kernel", "render-cpu", "render-spirv", "fuzz", "benches"];
+
+/// Looks at all files in Rust below a folder but those that builds leave; returns their number.
+fn for_files(folder: &Path, look: &mut impl FnMut(&Path, &str)) -> usize {
+    let mut files = 0;
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let is_left_by_builds = ["target", "node_modules"]
+            .iter()
+            .any(|name| path.ends_with(name));
+        if path.is_dir() && !is_left_by_builds {
+            files += for_files(&path, look);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            look(&path, &fs::read_to_string(&path).expect("a file"));
+            files += 1;
+        }
+    }
+    files
+}
+
+/// Whether a file is longer than it says why.
+fn is_too_long(text: &str) -> bool {
+    let mut header = text.lines().take_while(|line| line.starts_with("//!"));
+    text.lines().count() > MOST_LINES && !header.any(|line| line.starts_with(REASON))
+}
 
 fn of_crate(folder: &str) -> Graph {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
@@ -56,6 +90,43 @@ fn no_two_files_import_each_other() {
 fn rooms_of_the_kernel_import_those_before_them_only() {
     let up = of_crate("kernel").arrows_up(&ROOMS);
     assert!(up.is_empty(), "{up:#?}");
+}
+
+#[test]
+fn long_files_say_why() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let (mut files, mut found) = (0, Vec::new());
+    for folder in FOLDERS {
+        files += for_files(&root.join(folder), &mut |path, text| {
+            if is_too_long(text) {
+                found.push(format!(
+                    "{} ({} lines)",
+                    path.display(),
+                    text.lines().count()
+                ));
+            }
+        });
+    }
+    assert!(files > 700, "{files} files");
+    assert!(found.is_empty(), "more than {MOST_LINES} lines: {found:#?}");
+}
+
+#[test]
+fn a_long_file_without_a_reason_is_found() {
+    let lines = |header: &str, count: usize| format!("{header}\n{}", "\n".repeat(count - 1));
+    let reason = format!("//! A table.\n//!\n{REASON}it is one table.");
+    assert!(is_too_long(&lines("//! A table.", MOST_LINES + 1)));
+    assert!(is_too_long(&lines(
+        &reason.replace("//!", "//"),
+        MOST_LINES + 1
+    )));
+    assert!(!is_too_long(&lines("//! A table.", MOST_LINES)));
+    assert!(!is_too_long(&lines(&reason, MOST_LINES + 1)));
+    // Only its module comment counts.
+    assert!(is_too_long(&lines(
+        &format!("fn f() {{}}\n{REASON}x"),
+        MOST_LINES
+    )));
 }
 
 #[test]

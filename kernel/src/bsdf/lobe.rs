@@ -9,10 +9,10 @@
 
 pub(crate) use super::lobe_frame::inner_pair;
 pub use super::lobe_frame::{exchange_ratio, is_active};
-pub(crate) use super::lobe_frame::{is_flipped, mirrored};
+pub(crate) use super::lobe_frame::{is_flipped, is_plain, mirrored};
 
 use super::lobe_frame::{
-    coats_albedo, from_model, is_plain, pair_to_model, shadowing, to_model, value_factor,
+    coats_albedo, from_model, pair_to_model, shadowing, to_model, value_factor,
 };
 use super::microfacet::{self, Microfacets};
 use super::{BsdfSample, BsdfValue, Coat, Lobe, event, mode, model, null, rough_dielectric};
@@ -238,8 +238,8 @@ pub(super) fn eval_pdf_both(lobe: &Lobe, wi: Vec3, wo: Vec3) -> BsdfValue {
 }
 
 /// Whether lobes of the kind scatter light only to the side from which it came, null scattering aside.
-#[inline]
-pub(super) fn is_opaque(kind: u32) -> bool {
+#[inline(always)]
+pub(crate) fn is_opaque(kind: u32) -> bool {
     kind == lobe_kind::DIFFUSE
         || kind == lobe_kind::ROUGH_DIFFUSE
         || kind == lobe_kind::ROUGH_CONDUCTOR

@@ -89,7 +89,7 @@ pub(crate) fn is_flipped(lobe: &Lobe, wi: Vec3) -> bool {
 /// Whether the lobe has neither coats nor a perturbed frame: the common case, which skips these maps. Always false in shaders,
 /// for which the shortcut would be a second copy of all models.
 #[inline]
-pub(super) fn is_plain(lobe: &Lobe) -> bool {
+pub(crate) fn is_plain(lobe: &Lobe) -> bool {
     !cfg!(target_arch = "spirv") && !lobe.has_coats() && !lobe.has_map()
 }
 

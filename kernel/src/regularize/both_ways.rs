@@ -8,24 +8,27 @@
 //! Invariants (tests): the two densities are exchanged with the directions; without a raised lobe all is as it was.
 
 use super::bandwidth::TAU_MAX;
-use super::regularized_bsdf::{alpha_hat, mixture_eval_cosine_pdf};
+use super::metal::{eval_both, is_plain_metal};
+use super::regularized_bsdf::{
+    alpha_hat, density, eval_cosine_pdf, mixture_eval_cosine_pdf, regularized_lobe,
+};
 use crate::bsdf::{Bsdf, BsdfValue, Lobe, lobe, mode};
-use crate::math::Rgb;
+use crate::math::float::abs;
 use crate::scene::{SurfacePoint, Tables, lobe_kind};
 use glam::Vec3;
 
 /// Whether the lobe has another value below `tau` for some pair of directions.
-#[inline]
-fn is_lobe_raised(lobe: &Lobe, tau: f32) -> bool {
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(super) fn is_lobe_raised(lobe: &Lobe, tau: f32) -> bool {
     if lobe.kind == lobe_kind::THIN_DIELECTRIC {
         return true;
     }
     let reflected = alpha_hat(lobe, false, tau);
-    let transmitted = alpha_hat(lobe, true, tau);
-    let alpha = if reflected > transmitted {
+    let alpha = if lobe::is_opaque(lobe.kind) {
         reflected
     } else {
-        transmitted
+        reflected.max(alpha_hat(lobe, true, tau))
     };
     if lobe::is_delta(lobe.kind) || lobe.kind == lobe_kind::PLASTIC {
         return alpha > 0.0;
@@ -47,7 +50,7 @@ pub fn is_raised(bsdf: &Bsdf, tau: f32) -> bool {
     false
 }
 
-/// [`Bsdf::eval_cosine_pdf_both`] below `tau`: f_hat |cos| and p_hat.
+/// [`Bsdf::eval_cosine_pdf_both`] below `tau`: f_hat |cos| and p_hat. The densities are undefined where the value is zero.
 pub fn eval_cosine_pdf_both(
     bsdf: &Bsdf,
     tables: &Tables<'_>,
@@ -57,53 +60,89 @@ pub fn eval_cosine_pdf_both(
     is_exchanged: bool,
     tau: f32,
 ) -> BsdfValue {
-    let mut both = BsdfValue::ZERO;
-    let forward = |bsdf: &Bsdf| mixture_eval_cosine_pdf(bsdf, tables.data, wi, wo, tau);
-    if is_exchanged {
-        (both.value, both.pdf_reverse) = reverse(bsdf, tables, point, wi, wo, tau);
-        if both.value.max_element() > 0.0 {
-            both.pdf = forward(bsdf).1;
-        }
-    } else {
-        (both.value, both.pdf) = forward(bsdf);
-        if both.value.max_element() > 0.0 {
-            both.pdf_reverse = reverse(bsdf, tables, point, wi, wo, tau).1;
-        }
+    if bsdf.lobe_count() == 1 && is_plain_metal(bsdf.lobe_at(0)) {
+        let only = bsdf.lobe_at(0);
+        let both = lobe_both(only, tables.data, wi, wo, is_exchanged, tau);
+        return BsdfValue {
+            value: both.value * only.weight,
+            ..both
+        };
     }
-    both
-}
-
-/// f_hat(wo, wi) |cos wi| and the density of sampling wi where wo is known, of a material looked up for wi.
-fn reverse(
-    bsdf: &Bsdf,
-    tables: &Tables<'_>,
-    point: &SurfacePoint,
-    wi: Vec3,
-    wo: Vec3,
-    tau: f32,
-) -> (Rgb, f32) {
+    let mut both = BsdfValue::ZERO;
     if !bsdf.holds_reverse(tables, point, wi, wo) {
         let reverse = Bsdf::at(tables, point, wo, mode::RADIANCE);
-        return mixture_eval_cosine_pdf(&reverse, tables.data, wo, wi, tau);
+        let forward = mixture_eval_cosine_pdf(bsdf, tables.data, wi, wo, tau);
+        let backward = mixture_eval_cosine_pdf(&reverse, tables.data, wo, wi, tau);
+        return BsdfValue {
+            value: if is_exchanged { backward.0 } else { forward.0 },
+            pdf: forward.1,
+            pdf_reverse: backward.1,
+        };
     }
-    let mut value = Vec3::ZERO;
-    let mut pdf = 0.0;
+    let count = bsdf.lobe_count();
     let mut sum = 0.0;
-    for i in 0..bsdf.lobe_count() {
+    for i in 0..count {
         let lobe = bsdf.lobe_at(i);
-        let (f, p) = super::regularized_bsdf::eval_cosine_pdf(lobe, tables.data, wo, wi, tau);
-        let selection = if bsdf.lobe_count() == 1 {
+        let own = lobe_both(lobe, tables.data, wi, wo, is_exchanged, tau);
+        let selection = if count == 1 {
             1.0
         } else {
             lobe::selection_weight(lobe, tables.data, wo)
         };
-        value += f * lobe.weight;
-        pdf += p * selection;
+        both.value += own.value * lobe.weight;
+        both.pdf += own.pdf * bsdf.selection(i);
+        both.pdf_reverse += own.pdf_reverse * selection;
         sum += selection;
     }
     if sum > 0.0 {
-        (value, pdf / sum)
+        both.pdf_reverse /= sum;
+        both
     } else {
-        (Vec3::ZERO, 0.0)
+        BsdfValue::ZERO
+    }
+}
+
+/// f_hat |cos| of one lobe, not yet multiplied by its weight, and p_hat of both directions.
+fn lobe_both(
+    lobe: &Lobe,
+    data: &[f32],
+    wi: Vec3,
+    wo: Vec3,
+    is_exchanged: bool,
+    tau: f32,
+) -> BsdfValue {
+    if is_plain_metal(lobe) {
+        let both = eval_both(lobe, wi, wo, tau);
+        let cosine = abs(if is_exchanged { wi.z } else { wo.z });
+        return BsdfValue {
+            value: both.value * cosine,
+            ..both
+        };
+    }
+    if lobe.kind == lobe_kind::THIN_DIELECTRIC {
+        let forward = eval_cosine_pdf(lobe, data, wi, wo, tau);
+        let backward = eval_cosine_pdf(lobe, data, wo, wi, tau);
+        return BsdfValue {
+            value: if is_exchanged { backward.0 } else { forward.0 },
+            pdf: forward.1,
+            pdf_reverse: backward.1,
+        };
+    }
+    // The same for both directions, whose pair is reflection or refraction either way.
+    let regularized = regularized_lobe(lobe, wi.z * wo.z < 0.0, tau);
+    let (known, sampled) = if is_exchanged { (wo, wi) } else { (wi, wo) };
+    let (value, first) = lobe::eval_cosine_pdf(&regularized, data, known, sampled);
+    let second = lobe::pdf(&regularized, data, sampled, known);
+    let first = density(lobe, &regularized, data, [known, sampled], first);
+    let second = density(lobe, &regularized, data, [sampled, known], second);
+    let (pdf, pdf_reverse) = if is_exchanged {
+        (second, first)
+    } else {
+        (first, second)
+    };
+    BsdfValue {
+        value,
+        pdf,
+        pdf_reverse,
     }
 }

@@ -12,7 +12,8 @@
 //! | [`bounds`] | how large a microfacet BSDF can be for its roughness, and the roughness for a largest value |
 //! | [`power_bounds`] | the same for the exponential power distribution |
 //! | [`regularized_bsdf`] | a lobe or material evaluated below tau, and its density for multiple importance sampling |
-//! | [`both_ways`] | the same of a material with the densities of both directions |
+//! | `plain_lobe` | the same of one lobe, for loops over lanes |
+//! | [`both_ways`] | the same of a material with the densities of both directions; `metal`: of metals in one look |
 //! | [`settings`] | what a run is asked for, and what one sample has |
 //! | [`heuristic`] | where a path needs it: sampler quality and path diffusion |
 //! | [`near_specular`] | rough lobes that count as specular where path space is regularised |
@@ -53,8 +54,11 @@ pub mod both_ways;
 pub mod bounds;
 pub mod cone;
 pub mod heuristic;
+mod metal;
 pub mod mollifier;
 pub mod near_specular;
+#[cfg(not(target_arch = "spirv"))]
+pub(crate) mod plain_lobe;
 pub mod power_bounds;
 pub mod regularized_bsdf;
 pub mod settings;

@@ -55,7 +55,8 @@ fn is_isotropic(lobe: &Lobe) -> bool {
 }
 
 /// alpha_hat(tau) of the lobe's own model; zero where nothing is regularised.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn alpha_hat(lobe: &Lobe, transmission: bool, tau: f32) -> f32 {
     if !(tau < TAU_MAX) || is_index_matched(lobe) {
         return 0.0;
@@ -85,7 +86,7 @@ pub fn alpha_hat(lobe: &Lobe, transmission: bool, tau: f32) -> f32 {
 
 /// The distribution that the lobe has, or that a specular one is given: one whose visible normals are Smith's.
 #[inline]
-fn distribution_of(lobe: &Lobe) -> u32 {
+pub(super) fn distribution_of(lobe: &Lobe) -> u32 {
     if has_microfacets(lobe.kind) || lobe.distribution == kinds::GGX {
         lobe.distribution
     } else {
@@ -104,11 +105,18 @@ fn unit_bound(lobe: &Lobe) -> f32 {
 /// The lobe whose value is at most `tau` for reflection or for `transmission` (times its colour). Thin dielectrics,
 /// which have no rough model, stay as they are: see [`eval_cosine_pdf`].
 pub fn regularized_lobe(lobe: &Lobe, transmission: bool, tau: f32) -> Lobe {
-    let mut r = *lobe;
     let alpha = alpha_hat(lobe, transmission, tau);
     if alpha <= 0.0 {
-        return r;
+        return *lobe;
     }
+    roughened(lobe, alpha)
+}
+
+/// The lobe with microfacets of at least the roughness `alpha`.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(super) fn roughened(lobe: &Lobe, alpha: f32) -> Lobe {
+    let mut r = *lobe;
     let rough = match lobe.kind {
         lobe_kind::CONDUCTOR => lobe_kind::ROUGH_CONDUCTOR,
         lobe_kind::DIELECTRIC => lobe_kind::ROUGH_DIELECTRIC,
@@ -136,7 +144,8 @@ pub fn regularized_lobe(lobe: &Lobe, transmission: bool, tau: f32) -> Lobe {
 
 /// Density p_hat of `regularized` over that of its own sampler: A_alpha / A_alpha_hat of the directions that its
 /// technique masks. Directions in the frame of the lobe's model.
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn masking_ratio(lobe: &Lobe, regularized: &Lobe, wi: Vec3, wo: Vec3) -> f32 {
     if !has_microfacets(regularized.kind) {
         return 1.0;
@@ -150,15 +159,22 @@ pub fn masking_ratio(lobe: &Lobe, regularized: &Lobe, wi: Vec3, wo: Vec3) -> f32
     }
 }
 
-#[inline]
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
 fn ratio_along(lobe: &Lobe, regularized: &Lobe, w: Vec3) -> f32 {
+    own_area(lobe, w) / regularized.microfacets().projected_area(w)
+}
+
+/// Projected area A_alpha of the lobe itself.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(super) fn own_area(lobe: &Lobe, w: Vec3) -> f32 {
     // A smooth surface is not masked: its projected area is the cosine.
-    let area = if has_microfacets(lobe.kind) {
+    if has_microfacets(lobe.kind) {
         lobe.microfacets().projected_area(w)
     } else {
         abs(w.z)
-    };
-    area / regularized.microfacets().projected_area(w)
+    }
 }
 
 #[inline]
@@ -190,19 +206,46 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3, tau: f32) 
     }
     let regularized = regularized_lobe(lobe, wi.z * wo.z < 0.0, tau);
     let (f, p) = lobe::eval_cosine_pdf(&regularized, data, wi, wo);
+    (f, density(lobe, &regularized, data, [wi, wo], p))
+}
+
+/// p_hat of wo for wi where the sampler of the regularised lobe has the density `p`.
+#[inline]
+pub(super) fn density(
+    lobe: &Lobe,
+    regularized: &Lobe,
+    data: &[f32],
+    [wi, wo]: [Vec3; 2],
+    p: f32,
+) -> f32 {
     if p <= 0.0 {
-        return (f, 0.0);
+        return 0.0;
     }
     let model = lobe::inner_pair(lobe, data, wi, wo);
-    let ratio = masking_ratio(lobe, &regularized, model.wi, model.wo);
+    let pair = [model.wi, model.wo];
+    density_of(lobe, regularized, data, pair, model.jacobian, p)
+}
+
+/// p_hat where the sampler of the regularised lobe has the density `p`; `wi` and `wo` in the frame of the model.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(super) fn density_of(
+    lobe: &Lobe,
+    regularized: &Lobe,
+    data: &[f32],
+    [wi, wo]: [Vec3; 2],
+    jacobian: f32,
+    p: f32,
+) -> f32 {
+    let ratio = masking_ratio(lobe, regularized, wi, wo);
     if regularized.kind != lobe_kind::ROUGH_PLASTIC {
-        return (f, p * ratio);
+        return p * ratio;
     }
     // The base is sampled as before.
-    let reflected = 1.0 - rough_plastic::transmitted_share(&regularized, data, model.wi.z);
-    let q = plastic::specular_probability(&regularized, model.wi.z, reflected);
-    let base = ((1.0 - q) * model.wo.z.max(0.0) * FRAC_1_PI * model.jacobian).min(p);
-    (f, base + (p - base) * ratio)
+    let reflected = 1.0 - rough_plastic::transmitted_share(regularized, data, wi.z);
+    let q = plastic::specular_probability(regularized, wi.z, reflected);
+    let base = ((1.0 - q) * wo.z.max(0.0) * FRAC_1_PI * jacobian).min(p);
+    base + (p - base) * ratio
 }
 
 /// Cones of value `tau` around the reflected and the transmitted direction. What a cone has below the horizon is lost.
@@ -211,23 +254,32 @@ fn thin_dielectric(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3, tau: f32) -> (
     if !model.valid {
         return (Rgb::ZERO, 0.0);
     }
+    let (colour, p) = thin_cones(lobe, model.wi, model.wo, tau);
+    (colour * model.factor * p, p * model.jacobian)
+}
+
+/// The colour of the event that leads from `wi` to the side of `wo`, and the value of its cone times its probability, in the
+/// frame of the model.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(super) fn thin_cones(lobe: &Lobe, wi: Vec3, wo: Vec3, tau: f32) -> (Rgb, f32) {
     // The probability of each event is that of the sampler, which draws reflection first.
-    let reflection = crate::bsdf::thin_dielectric::sample(lobe, model.wi, 0.0, Vec2::ZERO);
-    let reflects = model.wi.z * model.wo.z > 0.0;
-    let share = if reflection.wo.z * model.wi.z > 0.0 {
+    let reflection = crate::bsdf::thin_dielectric::sample(lobe, wi, 0.0, Vec2::ZERO);
+    let reflects = wi.z * wo.z > 0.0;
+    let share = if reflection.wo.z * wi.z > 0.0 {
         reflection.pdf
     } else {
         0.0
     };
     let (axis, probability, colour) = if reflects {
-        let mirrored = Vec3::new(-model.wi.x, -model.wi.y, model.wi.z);
+        let mirrored = Vec3::new(-wi.x, -wi.y, wi.z);
         (mirrored, share, lobe.specular_reflectance)
     } else {
-        (-model.wi, 1.0 - share, lobe.specular_transmittance)
+        (-wi, 1.0 - share, lobe.specular_transmittance)
     };
     let cap = cone::one_minus_cos_of_tau(tau);
-    let p = probability * cone::eval(mollifier::CONSTANT, axis, model.wo, cap);
-    (colour * model.factor * p, p * model.jacobian)
+    let p = probability * cone::eval(mollifier::CONSTANT, axis, wo, cap);
+    (colour, p)
 }
 
 /// f_hat |cos| and p_hat of a material: the weighted sums over its lobes.

@@ -83,6 +83,12 @@ impl RegularizationSettings {
         self.tau < TAU_MAX && self.flags & (flag::QUALITY | flag::DIFFUSION) != 0
     }
 
+    /// Whether a path keeps anything of its own for it, or takes other samples than path tracing does.
+    #[inline]
+    pub fn follows_paths(&self) -> bool {
+        self.is_some() && self.flags & !(flag::CONSTANT | flag::RELATIVE_RADIUS) != 0
+    }
+
     /// Whether anything is.
     #[inline]
     pub fn is_some(&self) -> bool {
@@ -96,7 +102,8 @@ impl RegularizationSettings {
 }
 
 /// The regularisation of one sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Zeroable)]
 pub struct Regularization {
     /// tau_n, [`TAU_MAX`] for none.
     pub tau: f32,
@@ -165,7 +172,11 @@ impl Regularization {
         } else {
             1.0
         };
-        let radius = power_law(settings.radius * unit, n, settings.exponent);
+        let radius = if settings.radius > 0.0 {
+            power_law(settings.radius * unit, n, settings.exponent)
+        } else {
+            0.0
+        };
         Regularization {
             // The schedule of the first sample is tau_0 but for rounding.
             tau: if n > 1 {

@@ -1,5 +1,6 @@
-//! Regularised path tracing of many paths in lockstep: their rays and shadow rays are traced together, and each is shaded by
-//! itself ([`RegularizedPath`]). The wavefront's lanes know nothing of regularisation, so that others do not pay for it.
+//! Regularised path tracing of many paths in lockstep whose regularisation follows the path (heuristics) or takes other samples
+//! (all emitters, virtual merges): their rays and shadow rays are traced together, and each is shaded by itself
+//! ([`RegularizedPath`]). All others go through the wavefront.
 
 use super::lockstep_walks::RAYS;
 use halflight_kernel::bsdf::Bsdf;
@@ -102,7 +103,7 @@ impl<S: LaneSampler> RegularizedPaths<S> {
         settings: &IntegratorSettings,
         pixel: [u32; 2],
         count: u32,
-        sample: impl Fn(u32) -> (S, Regularization),
+        mut sample: impl FnMut(u32) -> (S, Regularization),
     ) -> u32 {
         let count = count.min((RAYS - self.states.len()) as u32);
         for i in 0..count {

@@ -30,6 +30,9 @@ pub const SLOTS: usize = 97 * 16;
 /// Samples of a pixel that are taken one by one between two looks at whether to stop.
 const SAMPLES_BETWEEN_LOOKS: u32 = 16;
 
+/// Numbers of samples whose regularisation is kept.
+const SCHEDULE: usize = 1024;
+
 /// What all tiles of a pass have in common.
 pub struct TileJob<'a, T: Traverse> {
     /// The scene.
@@ -61,8 +64,10 @@ struct Run {
 /// What a thread needs for its tiles.
 pub struct Workspace<S> {
     wave: Box<Wavefront<S, SLOTS>>,
-    /// Instead of the wavefront where connections are regularised.
-    regularized: Option<RegularizedPaths<S>>,
+    /// Instead of the wavefront where the regularisation of a path follows the path.
+    followed: Option<RegularizedPaths<S>>,
+    /// The regularisation of samples by their numbers, which neighbouring pixels share.
+    schedule: Vec<(u32, Regularization)>,
     runs: Vec<Run>,
     /// The numbers of those samples from the first on, where surfaces are wanted.
     samplers: Vec<S>,
@@ -75,10 +80,12 @@ pub struct Workspace<S> {
 impl<S: LaneSampler> Workspace<S> {
     /// Storage for a wave of paths by the settings.
     pub fn new(settings: &IntegratorSettings) -> Workspace<S> {
-        let is_regularized = settings.regularization.is_some();
+        let own = &settings.regularization;
+        let length = if own.is_some() { SCHEDULE } else { 0 };
         Workspace {
             wave: bytemuck::zeroed_box(),
-            regularized: is_regularized.then(RegularizedPaths::new),
+            followed: own.follows_paths().then(RegularizedPaths::new),
+            schedule: vec![(u32::MAX, Regularization::NONE); length],
             runs: Vec::with_capacity(SLOTS),
             samplers: Vec::with_capacity(SLOTS),
             divided: Vec::new(),
@@ -88,7 +95,7 @@ impl<S: LaneSampler> Workspace<S> {
     }
 
     fn is_full(&self) -> bool {
-        match &self.regularized {
+        match &self.followed {
             None => self.wave.is_full(),
             Some(paths) => paths.is_full(),
         }
@@ -146,16 +153,9 @@ impl<T: Traverse> TileJob<'_, T> {
                 let mut done = 0;
                 while done < count {
                     let left = count - done;
-                    let taken = match &mut workspace.regularized {
-                        None => workspace.wave.push_samples(pixel, left, |i| new(done + i)),
-                        Some(paths) => {
-                            let sample = |i: u32| {
-                                let index = first.wrapping_add(done + i);
-                                (new(done + i), self.regularization(index))
-                            };
-                            paths.push_samples(self.view, self.settings, pixel, left, sample)
-                        }
-                    };
+                    let first = first.wrapping_add(done);
+                    let new = |i: u32| new(done + i);
+                    let taken = self.push(workspace, pixel, left, first, new);
                     workspace.runs.push(Run { x, y, count: taken });
                     if self.needs_surface {
                         workspace.samplers.extend((done..done + taken).map(new));
@@ -172,6 +172,38 @@ impl<T: Traverse> TileJob<'_, T> {
         }
         self.finish(tile, workspace);
         PassEnd::Complete
+    }
+
+    /// Adds at most `count` samples of a pixel to the paths of the workspace, the first of the number `first`; returns how many.
+    fn push<S: LaneSampler>(
+        &self,
+        workspace: &mut Workspace<S>,
+        pixel: [u32; 2],
+        count: u32,
+        first: u32,
+        new: impl Fn(u32) -> S,
+    ) -> u32 {
+        if !self.settings.regularization.is_some() {
+            return workspace.wave.push_samples(pixel, count, new);
+        }
+        let schedule = &mut workspace.schedule;
+        let mut regularization = |i: u32| {
+            let sample = first.wrapping_add(i);
+            let entry = &mut schedule[sample as usize % SCHEDULE];
+            if entry.0 != sample {
+                *entry = (sample, self.regularization(sample));
+            }
+            entry.1
+        };
+        match &mut workspace.followed {
+            Some(paths) => {
+                let sample = |i: u32| (new(i), regularization(i));
+                paths.push_samples(self.view, self.settings, pixel, count, sample)
+            }
+            None => workspace
+                .wave
+                .push_regularized(pixel, count, new, regularization),
+        }
     }
 
     /// Adds a sample of path tracing with edits.
@@ -225,12 +257,19 @@ impl<T: Traverse> TileJob<'_, T> {
             divided,
             mixtures,
             parts,
-            regularized,
+            followed,
+            schedule: _,
         } = workspace;
         let mut shares: &[[f32; 2]] = &[];
-        let mut radiance = match (regularized, &self.division) {
+        let mut radiance = match (followed, &self.division) {
             (Some(paths), _) => {
                 let (radiance, of_paths) = paths.run(self.view, self.settings);
+                shares = of_paths;
+                radiance
+            }
+            (None, _) if self.settings.regularization.is_some() => {
+                let (radiance, of_paths) =
+                    wave.run_regularized(self.simd, self.view, self.settings);
                 shares = of_paths;
                 radiance
             }
@@ -245,7 +284,7 @@ impl<T: Traverse> TileJob<'_, T> {
                     mixtures,
                     parts,
                 };
-                wave.run_divided(self.simd, self.view, self.settings, Some(&mut division))
+                wave.run_divided(self.simd, self.view, self.settings, &mut division)
             }
         };
         self.stop.took(radiance.len());

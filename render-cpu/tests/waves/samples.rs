@@ -6,11 +6,14 @@ use halflight::processor;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
 use halflight_kernel::math::Rgb;
+use halflight_kernel::regularize::settings::{Regularization, RegularizationSettings, flag};
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler};
 use halflight_kernel::scene::SceneView;
 use halflight_kernel::simd::SimdLevel;
 use halflight_kernel::transport::wavefront::Wavefront;
-use halflight_kernel::transport::{IntegratorSettings, sample_pixel};
+use halflight_kernel::transport::{
+    IntegratorSettings, integrator_kind, regularized_path, sample_pixel, sample_pixel_with,
+};
 use std::path::Path;
 
 /// Samples per pixel.
@@ -68,6 +71,60 @@ pub fn one_by_one<S: LaneSampler>(
         sample_pixel(view, settings, &mut numbers, pixel)
     };
     starts.iter().map(sample).collect()
+}
+
+/// The regularisations of scenes that are compared with it: of microfacets, of path space.
+fn regularizations() -> [RegularizationSettings; 2] {
+    let none = RegularizationSettings::NONE;
+    [
+        RegularizationSettings { tau: 30.0, ..none },
+        RegularizationSettings {
+            radius: 0.05,
+            flags: flag::RELATIVE_RADIUS,
+            ..none
+        },
+    ]
+}
+
+/// Compares samples whose connections are regularised, each by its number, as [`compare`] does.
+fn compare_regularized<S: LaneSampler>(
+    view: &View<'_>,
+    settings: &IntegratorSettings,
+    starts: &[Start<S>],
+    text: &str,
+) {
+    for regularization in regularizations() {
+        let settings = IntegratorSettings {
+            regularization,
+            ..*settings
+        };
+        let radius = view.tables.info.radius;
+        let of_start = |i: usize| {
+            let sample = i as u32 % SAMPLES;
+            Regularization::of_sample(&regularization, radius, sample)
+        };
+        let expected: Vec<_> = starts
+            .iter()
+            .enumerate()
+            .map(|(i, &(pixel, mut numbers))| {
+                sample_pixel_with(view, &mut numbers, pixel, |sampler, ray| {
+                    regularized_path::radiance(view, &settings, of_start(i), sampler, ray)
+                })
+            })
+            .collect();
+        let mut wave: Box<Wavefront<S, 512>> = bytemuck::zeroed_box();
+        for simd in all_simd_levels() {
+            let mut found = Vec::new();
+            for (i, &(pixel, sampler)) in starts.iter().enumerate() {
+                wave.push_regularized(pixel, 1, |_| sampler, |_| of_start(i));
+                if wave.is_full() || i + 1 == starts.len() {
+                    found.extend_from_slice(wave.run_regularized(simd, view, &settings).0);
+                }
+            }
+            let what = format!("{simd:?}, {regularization:?}, {text}");
+            assert_same(&what, starts, &found, &expected);
+        }
+    }
 }
 
 /// What waves of at most `size` paths give.
@@ -136,6 +193,9 @@ fn compare<S: LaneSampler>(
         let found = in_waves(&mut large, usize::MAX, simd, view, settings, &starts);
         let what = format!("{simd:?}, 1024 slots, {text}");
         assert_same(&what, &starts, &found, &expected);
+    }
+    if settings.kind == integrator_kind::PATH {
+        compare_regularized(view, settings, &starts, text);
     }
     lit_share(&expected)
 }

@@ -33,7 +33,8 @@ pub const ROUGH_PLASTIC_GGX: u32 = 11;
 /// Number of variants; as a variant, none.
 pub const COUNT: u32 = 12;
 
-/// The scattering model of a variant.
+/// The scattering model of a variant. Inlined in every build, as the others are: loops over lanes then hold one model.
+#[inline(always)]
 pub const fn kind(variant: u32) -> u32 {
     match variant {
         DIFFUSE => lobe_kind::DIFFUSE,
@@ -49,11 +50,13 @@ pub const fn kind(variant: u32) -> u32 {
 }
 
 /// Whether the variant has microfacets.
+#[inline(always)]
 pub const fn is_rough(variant: u32) -> bool {
     variant >= ROUGH_CONDUCTOR_BECKMANN
 }
 
 /// The microfacet distribution of a rough variant.
+#[inline(always)]
 pub const fn microfacets(variant: u32) -> u32 {
     match variant {
         ROUGH_CONDUCTOR_GGX | ROUGH_DIELECTRIC_GGX | ROUGH_PLASTIC_GGX => distribution::GGX,

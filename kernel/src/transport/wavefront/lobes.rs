@@ -48,6 +48,7 @@ mod field {
 }
 
 /// The fields that [`plain_lobe`] sets for a kind.
+#[inline(always)]
 const fn fields(kind: u32) -> u32 {
     use field::*;
     match kind {

@@ -7,14 +7,16 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `driver` | [`Wavefront`]: adding paths, the bounces, shadow rays, compaction |
+//! | `driver` | [`Wavefront`]: adding paths, tracing them to their ends |
+//! | `wave_bounce` | a bounce of all: rays, queues, shadow rays, compaction |
 //! | `camera_rays` | film positions and rays |
 //! | `queues`, `segment`, [`bsdf_variant`] | which code shades a path, and in which slots |
 //! | `paths`, `shadow_rays`, `random_numbers` | states and numbers of paths |
-//! | `shading` | the bounce of a queue, step by step |
+//! | `shading`, `fallback` | the bounce of a queue, step by step or path by path |
 //! | `surfaces`, `lobes`, `textures` | surface points and material parameters |
 //! | `emitter_samples`, `environment`, `cdf_search` | next event estimation |
 //! | `division` | parts of paths by path expressions |
+//! | `regularized` | connections below tau |
 //! | `scattering`, `microfacet_normals`, `bsdf_samples` | sampled directions |
 //!
 //! Invariant (tests): the results are those of single paths, to the bit.
@@ -27,17 +29,20 @@ mod division;
 mod driver;
 mod emitter_samples;
 mod environment;
+mod fallback;
 mod lobes;
 mod microfacet_normals;
 mod paths;
 mod queues;
 mod random_numbers;
+mod regularized;
 mod scattering;
 mod segment;
 mod shading;
 mod shadow_rays;
 mod surfaces;
 mod textures;
+mod wave_bounce;
 
 pub use division::WaveDivision;
 pub use driver::Wavefront;

@@ -39,6 +39,8 @@ pub(super) struct TracedPaths<'a, const N: usize> {
     pub paths: &'a PathLanes<N>,
     pub hits: &'a HitBatch<N>,
     pub count: usize,
+    /// Whether shiny variants are shaded one by one, too.
+    pub has_no_shiny_loops: bool,
 }
 
 /// The queues of paths, before their slots are assigned.
@@ -47,6 +49,8 @@ pub(super) struct TracedPaths<'a, const N: usize> {
 struct Classification<const N: usize> {
     /// The queue of each path.
     queue: [u32; N],
+    /// 1 where the surface emits.
+    emits: [u32; N],
     /// Which queues have paths at triangles, and which at spheres, as bits.
     present: [u32; 2],
 }
@@ -81,6 +85,15 @@ impl<const N: usize> ShadingQueues<N> {
             paths,
             entries: &self.entries,
             segment: self.segments[queue],
+        }
+    }
+
+    /// Whether path `i` meets light that is weighted against emitter samples, or passes on what it is weighted by.
+    pub fn meets_light(&self, i: usize, has_environment: bool) -> bool {
+        match self.classification.queue[i] as usize {
+            ESCAPED => has_environment,
+            FALLBACK => true,
+            _ => self.classification.emits[i] != 0,
         }
     }
 
@@ -148,6 +161,8 @@ multiversioned! {
         let (paths, hits) = (traced.paths, traced.hits);
         let triangle_count = tables.triangles.len() as u32;
         let is_strict = settings.rules.strict_normals != 0;
+        // From there on they are shiny.
+        let end = if traced.has_no_shiny_loops { bsdf_variant::CONDUCTOR } else { bsdf_variant::COUNT };
         let hides = settings.rules.hide_emitters != 0;
         for i in 0..round_up_to_vector::<N>(traced.count) {
             let primitive = hits.primitive[i];
@@ -170,7 +185,7 @@ multiversioned! {
             let is_in_world =
                 ((primitive < triangle_count) | is_sphere) & (hits.instance[i] == 0);
             let has_loop = is_in_world
-                & (variant < bsdf_variant::COUNT)
+                & (variant < end)
                 & !is_strict
                 & !(emits & (hides | !may_scatter));
             let queue = if has_loop {
@@ -183,6 +198,7 @@ multiversioned! {
             let queue = if ends { NO_QUEUE } else { queue };
             let queue = if hits.t[i] < f32::MAX { queue } else { ESCAPED as u32 };
             let at_sphere = is_sphere & (queue >= VARIANTS);
+            classification.emits[i] = u32::from(emits);
             classification.queue[i] = if at_sphere { queue + AT_SPHERE } else { queue };
             present |= if at_sphere { 0 } else { 1 << queue };
             present_at_spheres |= if at_sphere { 1 << queue } else { 0 };

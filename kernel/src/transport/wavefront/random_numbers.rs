@@ -58,4 +58,29 @@ multiversioned! {
             next.index[k] = gather(&queued.paths.index, i);
         }
     }
+
+    /// [`draw`] where only the slots in `is_lit` sample an emitter.
+    pub(super) fn draw_where_lit<S: LaneSampler; const N: usize>(
+        queued: &QueuedPaths<'_, N>,
+        is_lit: &[u32; N],
+        next: &mut PathLanes<N>,
+        numbers: &mut NumberLanes<N>,
+    ) {
+        for k in queued.segment.padded::<N>() {
+            let i = queued.entries[k];
+            let unlit = queued.paths.sampler::<S>(i);
+            let mut lit = unlit;
+            numbers.emitter[k] = lit.next_1d();
+            let u = lit.next_2d();
+            numbers.emitter_point[0][k] = u.x;
+            numbers.emitter_point[1][k] = u.y;
+            let mut sampler = if is_lit[k] != 0 { lit } else { unlit };
+            numbers.event[k] = sampler.next_1d();
+            let u = sampler.next_2d();
+            numbers.direction[0][k] = u.x;
+            numbers.direction[1][k] = u.y;
+            next.set_sampler(k, sampler);
+            next.index[k] = gather(&queued.paths.index, i);
+        }
+    }
 }

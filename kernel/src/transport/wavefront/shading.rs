@@ -7,8 +7,9 @@ use super::emitter_samples::{EmitterSampleLanes, References};
 use super::environment::{EnvironmentLanes, Scratch};
 use super::lobes::{self, LobeLanes};
 use super::microfacet_normals::NormalLanes;
-use super::paths::{NextPathLanes, QueuedPaths};
+use super::paths::{NextPathLanes, PathLanes, QueuedPaths};
 use super::random_numbers::{self, NumberLanes};
+use super::regularized::{self, RegularizedLanes, may_be_raised};
 use super::scattering::ScatteringInputs;
 use super::segment::Segment;
 use super::shadow_rays::ShadowRayLanes;
@@ -19,6 +20,7 @@ use crate::bsdf::mixture;
 use crate::math::Rgb;
 use crate::path::PathRules;
 use crate::path::remainder::Remainder;
+use crate::regularize::plain_lobe;
 use crate::sampler::LaneSampler;
 use crate::scene::{HitBatch, NONE, Tables};
 use crate::simd::lanes::{Vec3Lanes, gather};
@@ -28,6 +30,7 @@ use crate::transport::connection::{SampleCounts, ShadowRay, weighted_contributio
 use crate::transport::settings::IntegratorSettings;
 use bytemuck::Zeroable;
 use core::marker::PhantomData;
+use glam::Vec3;
 
 /// What shading keeps between its loops, by slot.
 #[repr(C, align(64))]
@@ -109,6 +112,32 @@ impl<const N: usize> ShadingLanes<N> {
         }
     }
 
+    /// Gives the paths of a variant p_hat of the directions in which they left the last bounce, where light that they have met is
+    /// weighted by it; `slots` are theirs in that bounce, whose lanes are still as they were.
+    pub fn complete_densities<const VARIANT: u32>(
+        &mut self,
+        simd: SimdLevel,
+        data: &[f32],
+        slots: &[u32; N],
+        own: &mut RegularizedLanes<N>,
+        paths: &mut PathLanes<N>,
+    ) {
+        let count = own.list_waiting(VARIANT, slots);
+        if count == 0 {
+            return;
+        }
+        let inputs = ScatteringInputs {
+            points: &self.points,
+            lobes: &self.lobes,
+            numbers: &self.numbers,
+            segment: Segment { first: 0, count },
+        };
+        let (tau, slots, p_hat) = (&own.thresholds.tau, &own.slots, &mut own.p_hat);
+        let samples = &self.samples;
+        regularized::find_densities::<VARIANT, N>(simd, data, &inputs, samples, tau, slots, p_hat);
+        own.set_densities(count, paths);
+    }
+
     /// Adds the emission of the surfaces, weighted against emitter samples. Few paths meet an emitter: slot by slot.
     fn add_emission(
         &mut self,
@@ -136,7 +165,24 @@ pub(super) struct VariantShading<'a, S, const VARIANT: u32, const N: usize> {
     pub lanes: &'a mut ShadingLanes<N>,
     pub queue: VariantQueue<'a, N>,
     pub shaded: Shaded<'a, N>,
+    /// Where connections are regularised.
+    pub regularized: Option<&'a mut RegularizedLanes<N>>,
     pub sampler: PhantomData<S>,
+}
+
+impl<S, const VARIANT: u32, const N: usize> VariantShading<'_, S, VARIANT, N> {
+    /// What the regularisation of the queue's lobes needs, if they may have any.
+    fn raised(&mut self) -> Option<&mut RegularizedLanes<N>> {
+        match &mut self.regularized {
+            Some(own) if may_be_raised(VARIANT) => Some(own),
+            _ => None,
+        }
+    }
+
+    /// Whether none of the lobes has a value.
+    fn is_unlit(&mut self) -> bool {
+        is_delta(bsdf_variant::kind(VARIANT)) && self.raised().is_none()
+    }
 }
 
 impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
@@ -155,18 +201,37 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
                 .lobes
                 .look_up_textures::<VARIANT>(simd, tables, points, segment, textures);
         }
+        if let Some(own) = &mut self.regularized
+            && may_be_raised(VARIANT)
+        {
+            let (lobes, thresholds) = (&lanes.lobes, &mut own.thresholds);
+            regularized::find_thresholds::<VARIANT, N>(
+                simd,
+                queued,
+                lobes,
+                &own.of_path,
+                thresholds,
+            );
+        }
     }
 
     /// Draws the numbers of the whole bounce, too.
     fn sample_emitter(&mut self) {
+        let is_unlit = self.is_unlit();
         let (simd, queued) = (self.simd, &self.queue.queued);
         let lanes = &mut *self.lanes;
         let (next, numbers) = (&mut self.shaded.next.paths, &mut lanes.numbers);
-        if is_delta(bsdf_variant::kind(VARIANT)) {
+        if is_unlit {
             random_numbers::draw::<S, false, N>(simd, queued, next, numbers);
             return;
         }
-        random_numbers::draw::<S, true, N>(simd, queued, next, numbers);
+        match &self.regularized {
+            Some(own) if is_delta(bsdf_variant::kind(VARIANT)) => {
+                let is_lit = &own.thresholds.is_raised;
+                random_numbers::draw_where_lit::<S, N>(simd, queued, is_lit, next, numbers);
+            }
+            _ => random_numbers::draw::<S, true, N>(simd, queued, next, numbers),
+        }
         let at = References {
             points: &lanes.points,
             numbers: &lanes.numbers,
@@ -182,9 +247,10 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
     }
 
     fn evaluate_emitter(&mut self) {
+        let is_unlit = self.is_unlit();
         let queued = &self.queue.queued;
         let shadow_rays = &mut *self.shaded.shadow_rays;
-        if is_delta(bsdf_variant::kind(VARIANT)) {
+        if is_unlit {
             shadow_rays.clear(queued.segment);
             return;
         }
@@ -193,8 +259,26 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
             lobes: &self.lanes.lobes,
             lights: &self.lanes.lights,
         };
-        let (tables, keep) = (self.tables, self.keep);
-        evaluate_lights::<VARIANT, N>(self.simd, tables, queued, &lit, keep, shadow_rays);
+        let (simd, tables, keep) = (self.simd, self.tables, self.keep);
+        match &mut self.regularized {
+            Some(own) if may_be_raised(VARIANT) => {
+                own.set_shares(queued.segment);
+                let tau = &own.thresholds.tau;
+                evaluate_lights_below::<VARIANT, N>(
+                    simd,
+                    tables,
+                    queued,
+                    &lit,
+                    tau,
+                    keep,
+                    shadow_rays,
+                );
+                return;
+            }
+            Some(own) => own.clear(queued.segment),
+            None => {}
+        }
+        evaluate_lights::<VARIANT, N>(simd, tables, queued, &lit, keep, shadow_rays);
     }
 
     fn sample_bsdf(&mut self) {
@@ -218,6 +302,15 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
         let (points, samples) = (&self.lanes.points, &self.lanes.samples);
         let (queued, next) = (&self.queue.queued, &mut *self.shaded.next);
         bsdf_samples::continue_along::<S, N>(self.simd, &self.rules, queued, points, samples, next);
+        if let Some(own) = &mut self.regularized
+            && may_be_raised(VARIANT)
+        {
+            let (thresholds, pending) = (&own.thresholds, &mut own.pending);
+            let segment = queued.segment;
+            regularized::set_pending::<VARIANT, N>(
+                self.simd, segment, samples, thresholds, pending,
+            );
+        }
     }
 }
 
@@ -227,6 +320,41 @@ struct LitSurfaces<'a, const N: usize> {
     points: &'a PointLanes<N>,
     lobes: &'a LobeLanes<N>,
     lights: &'a EmitterSampleLanes<N>,
+}
+
+/// Sets the shadow ray of slot `k` of `queued`, where the lobe times the cosine is `value` towards its emitter sample, with the
+/// density `pdf`.
+#[inline(always)]
+fn set_shadow_ray<const N: usize>(
+    queued: &QueuedPaths<'_, N>,
+    lit: &LitSurfaces<'_, N>,
+    (k, value, pdf): (usize, Rgb, f32),
+    keep: Remainder,
+    shadow_rays: &mut ShadowRayLanes<N>,
+) {
+    let i = queued.entries[k];
+    let light = lit.lights.get(k);
+    let point = lit.points.get(k);
+    let mut shadow_ray = weighted_contribution(&light, &point, SampleCounts::ONE, value, pdf);
+    if !light.is_some() || value.max_element() <= 0.0 {
+        shadow_ray = ShadowRay::NONE;
+    }
+    let radiance = queued.paths.throughput.gather(i) * shadow_ray.radiance;
+    shadow_ray.radiance = keep.of(radiance, gather(&queued.paths.depth, i) + 2);
+    shadow_rays.set(k, &shadow_ray);
+    shadow_rays.index[k] = gather(&queued.paths.index, i);
+}
+
+impl<const N: usize> LitSurfaces<'_, N> {
+    /// The directions of slot `k`, back along the path and towards the emitter sample.
+    #[inline(always)]
+    fn directions(&self, k: usize) -> (Vec3, Vec3) {
+        let direction = self.lights.get(k).direction;
+        (
+            self.points.wi.get(k),
+            self.points.get(k).frame.to_local(direction),
+        )
+    }
 }
 
 multiversioned! {
@@ -239,20 +367,27 @@ multiversioned! {
         shadow_rays: &mut ShadowRayLanes<N>,
     ) {
         for k in queued.segment.padded::<N>() {
-            let i = queued.entries[k];
+            let (wi, wo) = lit.directions(k);
             let lobe = lit.lobes.get::<VARIANT>(k);
-            let (point, wi) = (lit.points.get(k), lit.points.wi.get(k));
-            let light = lit.lights.get(k);
-            let wo = point.frame.to_local(light.direction);
             let (value, pdf) = mixture::plain::eval_cosine_pdf(&lobe, tables.data, wi, wo);
-            let mut shadow_ray = weighted_contribution(&light, &point, SampleCounts::ONE, value, pdf);
-            if !light.is_some() || value.max_element() <= 0.0 {
-                shadow_ray = ShadowRay::NONE;
-            }
-            let radiance = queued.paths.throughput.gather(i) * shadow_ray.radiance;
-            shadow_ray.radiance = keep.of(radiance, gather(&queued.paths.depth, i) + 2);
-            shadow_rays.set(k, &shadow_ray);
-            shadow_rays.index[k] = gather(&queued.paths.index, i);
+            set_shadow_ray(queued, lit, (k, value, pdf), keep, shadow_rays);
+        }
+    }
+
+    /// [`evaluate_lights`] with the lobes below tau.
+    fn evaluate_lights_below<; const VARIANT: u32, const N: usize>(
+        tables: &Tables<'_>,
+        queued: &QueuedPaths<'_, N>,
+        lit: &LitSurfaces<'_, N>,
+        tau: &[f32; N],
+        keep: Remainder,
+        shadow_rays: &mut ShadowRayLanes<N>,
+    ) {
+        for k in queued.segment.padded::<N>() {
+            let (wi, wo) = lit.directions(k);
+            let lobe = lit.lobes.get::<VARIANT>(k);
+            let (value, pdf) = plain_lobe::eval_cosine_pdf(&lobe, tables.data, wi, wo, tau[k]);
+            set_shadow_ray(queued, lit, (k, value, pdf), keep, shadow_rays);
         }
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! Hosts only, because it takes storage for every vertex of both subpaths.
 
+use super::connection::Connector;
 use super::evaluation::Interaction;
 use super::path_weights::{InnerVertex, LightStart};
 use super::shading_point::ShadingPoint;
@@ -100,8 +101,7 @@ impl PathNode {
     /// Where a walk has arrived behind `last`, its vertex before, if there is one; `sensor_bound` bounds the response of the sensor
     /// where light walks reach it.
     pub fn new(
-        tables: &Tables<'_>,
-        strategies: &Strategies,
+        connector: &Connector<'_>,
         regularization: &Regularization,
         walk: &Walk,
         hit: &Hit,
@@ -150,10 +150,10 @@ impl PathNode {
                 .add(before.bound, last.scattering.bound, before.edge);
             node.summary.any_raised = before.any_raised || last.is_raised;
         } else if walk.mode == mode::IMPORTANCE {
-            let point = walk.start_point(tables);
+            let point = walk.start_point(connector.tables);
             node.start_at(
-                tables,
-                strategies,
+                connector.tables,
+                &connector.strategies,
                 walk.emitter,
                 &point,
                 walk.subpath.ray.direction,

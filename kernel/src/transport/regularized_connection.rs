@@ -92,7 +92,7 @@ impl<T: Traverse, S: Sampler, F: FnMut(&ShadowRay, RegularizedShare)> Regularize
         (ray, RegularizedShare::new(part, sum, self.tau))
     }
 
-    /// The light of a sample, weighted against the walk. A virtual merge accepts it by the sample `own` of the BSDF.
+    /// The light of a sample, weighted against the walk. A virtual merge accepts it by the `sample` of the BSDF.
     fn weighted(
         &self,
         light: &DirectSample,

@@ -134,7 +134,7 @@ fn select(
     Ok(bits)
 }
 
-/// Whether walks that read `own` can hold all pairs of its states and sets of states of `other` that they can be in, where
+/// Whether walks that read `automaton` can hold all pairs of its states and sets of states of `other` that they can be in, where
 /// the edits `others` are of the other flow.
 fn has_room(
     automaton: &Deterministic,

@@ -24,6 +24,7 @@ use halflight_kernel::transport::photon::adaptive::AdaptiveRadii;
 use halflight_kernel::transport::photon::divided::sample_among_photons;
 use halflight_kernel::transport::photon::progressive::Progressive;
 use halflight_kernel::transport::photon::statistics::PhotonPass;
+use halflight_kernel::transport::retargeted::bidirectional::EditedSample;
 use halflight_kernel::transport::retargeted::photons::EditedPhotons;
 use halflight_kernel::transport::{IntegratorSettings, camera_ray, integrator_kind, retargeted};
 /// What is made of the paths of an image, each followed by itself.
@@ -146,16 +147,23 @@ impl<T: Traverse> FollowedSamples<'_, T> {
                         adaptive = Some((radii[i], &mut found.statistics[i]));
                     }
                 }
+                let connector = &algorithm.connector;
+                let mut divided = DividedSample::new(
+                    view,
+                    connector,
+                    *expressions,
+                    Some(photons),
+                    &mut states,
+                    add,
+                );
                 sample_among_photons(
                     view,
                     &algorithm,
-                    expressions,
-                    &photons,
+                    &photons.photons,
                     adaptive,
                     &mut sample.camera,
                     &seen,
-                    &mut states,
-                    add,
+                    &mut divided,
                 );
                 continue;
             }
@@ -225,9 +233,8 @@ impl<T: Traverse> FollowedSamples<'_, T> {
         let (light, camera) = (&mut sample.light, &mut sample.camera);
         let (view, algorithm, photons) = (self.view, self.algorithm, self.edited.as_ref());
         match self.followed.edits {
-            Some(edits) => retargeted::bidirectional::sample_observed(
-                view, algorithm, edits, photons, light, camera, seen, vertices, observer,
-            ),
+            Some(edits) => EditedSample::new(view, algorithm, edits, photons)
+                .sample_observed(light, camera, seen, vertices, observer),
             None => sample_observed(view, algorithm, light, camera, seen, vertices, observer),
         }
     }

@@ -21,7 +21,7 @@ use halflight_kernel::transport::photon::merging::PassPhotons;
 use halflight_kernel::transport::photon::metropolis::gather_point;
 use halflight_kernel::transport::photon::progressive::Progressive;
 use halflight_kernel::transport::photon::statistics::PhotonPass;
-use halflight_kernel::transport::photon::tracing::{PhotonStore, PhotonTracer};
+use halflight_kernel::transport::photon::tracing::{LightBounce, PhotonStore, PhotonTracer};
 use halflight_kernel::transport::{IntegratorSettings, camera_ray, retargeted};
 
 /// Light walks that are traced together.
@@ -86,38 +86,29 @@ impl PhotonWorkspace {
         }
         while !self.walks.is_done() {
             let site = &mut *self.site;
-            self.walks
-                .bounce(view, |i, walk, hit| match (expressions, edits) {
-                    (_, Some(edits)) => retargeted::bounce::light_bounce(
-                        tracer,
-                        edits,
-                        walk,
-                        &mut edited[i],
-                        &mut samplers[i],
-                        hit,
-                        site,
-                        &mut list,
-                    ),
-                    (None, None) => {
-                        tracer.light_bounce(walk, &mut samplers[i], hit, site, &mut list)
+            self.walks.bounce(view, |i, walk, hit| {
+                let mut bounce = LightBounce {
+                    walk,
+                    sampler: &mut samplers[i],
+                    hit,
+                    site: &mut *site,
+                    store: &mut list,
+                };
+                match (expressions, edits) {
+                    (_, Some(edits)) => {
+                        retargeted::bounce::light_bounce(tracer, edits, &mut edited[i], &mut bounce)
                     }
-                    (Some(expressions), None) => divided_light_bounce(
-                        tracer,
-                        &view.tables,
-                        expressions,
-                        walk,
-                        &mut states[i],
-                        &mut samplers[i],
-                        hit,
-                        site,
-                        &mut list,
-                    ),
-                });
+                    (None, None) => tracer.light_bounce(&mut bounce),
+                    (Some(expressions), None) => {
+                        divided_light_bounce(tracer, expressions, &mut states[i], &mut bounce)
+                    }
+                }
+            });
         }
         list
     }
 
-    /// The same with the vertices of their walks, for the regularisation `own`, which depends on full paths.
+    /// The same with the vertices of their walks, for a regularisation that depends on full paths.
     pub fn trace_nodes<T: Traverse, S: LaneSampler>(
         &mut self,
         view: &SceneView<'_, T>,
@@ -135,17 +126,14 @@ impl PhotonWorkspace {
         while !self.walks.is_done() {
             let site = &mut *self.site;
             self.walks.bounce(view, |i, walk, hit| {
-                let sampler = &mut samplers[i];
-                photon_bounce(
-                    tracer,
-                    regularization,
+                let mut bounce = LightBounce {
                     walk,
-                    &mut last[i],
-                    sampler,
+                    sampler: &mut samplers[i],
                     hit,
-                    site,
-                    &mut list,
-                )
+                    site: &mut *site,
+                    store: &mut list,
+                };
+                photon_bounce(tracer, regularization, &mut last[i], &mut bounce)
             });
         }
         list

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! whose mean over groups is zero if the distribution is kept, and Hotelling's T^2 of that mean, by the covariance that the groups
-//! show, has a chi-square distribution of as many degrees of freedom as there are cells, less one. `HALFLIGHT_STATISTICS=N` makes chains N times as long.
-//! Random numbers are fixed.
+//! show, has a chi-square distribution of as many degrees of freedom as there are cells, less one. `HALFLIGHT_STATISTICS=N` makes chains N times as long;
+//! `HALFLIGHT_CHAIN_STEPS=100000` follows one chain of each group for as many steps. Random numbers are fixed.
 //!
 //! Detailed balance, I(x) T(x -> y) = I(y) T(y -> x), says more: of the first steps as many lead from any cell into another as back, so
 //! that d_ab, counted like d_c from the steps between two cells a and b, has the mean zero too.
@@ -31,10 +31,32 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// Groups of chains.
 const GROUPS: u32 = 400;
 
-/// Candidates and chains of a group, and steps of a chain.
+/// Candidates of a group.
 const CANDIDATES: u32 = 256;
-const CHAINS: u32 = 8;
-const STEPS: u32 = 64;
+
+/// How much is followed in each group.
+#[derive(Clone, Copy)]
+struct Lengths {
+    chains: u32,
+    /// Of each chain.
+    steps: u32,
+}
+
+impl Lengths {
+    /// As the environment wants it.
+    fn new() -> Lengths {
+        match std::env::var("HALFLIGHT_CHAIN_STEPS") {
+            Ok(steps) => Lengths {
+                chains: 1,
+                steps: steps.parse().expect("HALFLIGHT_CHAIN_STEPS: a number"),
+            },
+            Err(_) => Lengths {
+                chains: 8,
+                steps: 64 * effort(),
+            },
+        }
+    }
+}
 
 /// First steps whose moves between cells are counted.
 const COUNTED_STEPS: u32 = 8;
@@ -99,7 +121,11 @@ fn of_pairs(group: &Group, cell: Cell) -> Vec<f64> {
 }
 
 /// Runs a group; nothing where it finds no light.
-fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, steps: u32) -> Option<Group> {
+fn run<A: ChainAlgorithm>(
+    algorithm: &A,
+    group: u32,
+    Lengths { chains, steps }: Lengths,
+) -> Option<Group> {
     let mut found = Vec::new();
     for candidate in 0..CANDIDATES {
         let mut member = 0;
@@ -117,8 +143,8 @@ fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, steps: u32) -> Option<Group
     let mut starts = Vec::new();
     for (candidate, member, weight) in found {
         below += weight;
-        while (starts.len() as f64 + offset) * sum / f64::from(CHAINS) < below
-            && starts.len() < CHAINS as usize
+        while (starts.len() as f64 + offset) * sum / f64::from(chains) < below
+            && starts.len() < chains as usize
         {
             starts.push((candidate, member));
         }
@@ -143,7 +169,7 @@ fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, steps: u32) -> Option<Group
         })
         .collect();
     (!states.is_empty()).then_some(Group {
-        weight: sum / f64::from(CHAINS),
+        weight: sum / f64::from(chains),
         states,
         moves,
     })
@@ -208,16 +234,16 @@ fn keeps<A: ChainAlgorithm>(
     partitions: &[(&str, Cell)],
     algorithm: impl Fn(u32) -> A + Sync,
 ) -> Vec<Result<(), String>> {
-    let steps = STEPS * effort();
+    let lengths = Lengths::new();
     let groups: Vec<Group> = (0..GROUPS)
         .into_par_iter()
-        .filter_map(|group| run(&algorithm(group), group, steps))
+        .filter_map(|group| run(&algorithm(group), group, lengths))
         .collect();
     let moved = groups
         .iter()
         .flat_map(|g| &g.states)
         .filter(|[a, b]| a != b);
-    let (moved, all) = (moved.count(), groups.len() * CHAINS as usize);
+    let (moved, all) = (moved.count(), groups.len() * lengths.chains as usize);
     let mut results = Vec::new();
     for (name, cell) in partitions {
         let of_states: Vec<_> = groups.iter().map(|g| of_cells(g, *cell)).collect();

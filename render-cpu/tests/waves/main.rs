@@ -11,3 +11,5 @@ mod room;
 mod samples;
 mod sizes;
 mod textures;
+#[path = "../common/view.rs"]
+mod view;

@@ -1,14 +1,12 @@
 //! The samples of a scene's film, from single paths and from waves of any size.
 
-use halflight::accel::CpuTraverse;
-use halflight::commands::scene_args::build_accel;
+use crate::view::{View, with_view};
 use halflight::processor;
 use halflight::scene::build::{BuildOptions, Scene, build_scene};
 use halflight::scene::xml::parse_scene_from_str;
 use halflight_kernel::math::Rgb;
 use halflight_kernel::regularize::settings::{Regularization, RegularizationSettings, flag};
 use halflight_kernel::sampler::{IndependentSampler, LaneSampler, SobolSampler};
-use halflight_kernel::scene::SceneView;
 use halflight_kernel::simd::SimdLevel;
 use halflight_kernel::transport::wavefront::Wavefront;
 use halflight_kernel::transport::{
@@ -20,8 +18,6 @@ use std::path::Path;
 const SAMPLES: u32 = 2;
 const SEED: u32 = 3;
 
-/// A scene as the transport sees it.
-pub type View<'a> = SceneView<'a, CpuTraverse<'a>>;
 /// Makes a sampler of seed, pixel and sample.
 pub type NewSampler<S> = fn(u32, u32, u32) -> S;
 /// A pixel in absolute film coordinates, and the numbers of its sample.
@@ -32,18 +28,6 @@ pub fn scene(text: &str, folder: &Path, strict: bool) -> Scene {
     let parsed = parse_scene_from_str(text, &folder.join("test.xml"), &[], strict)
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
     build_scene(&parsed, &BuildOptions::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
-/// Calls `test` with the scene.
-pub fn with_view(scene: &Scene, test: impl FnOnce(&View<'_>, &IntegratorSettings)) {
-    let accel = build_accel(scene);
-    let tables = scene.tables.view();
-    let traverse = accel.traverse(tables);
-    let view = SceneView {
-        tables,
-        traverse: &traverse,
-    };
-    test(&view, &scene.settings);
 }
 
 /// Starts of all samples of the window.
@@ -203,7 +187,8 @@ fn compare<S: LaneSampler>(
 /// Compares all samples of a scene, with both samplers; returns the smaller share that is lit.
 pub fn agrees(scene: &Scene, text: &str) -> f32 {
     let mut share = 0.0;
-    with_view(scene, |view, settings| {
+    let settings = &scene.settings;
+    with_view(scene, |view| {
         let independent = compare(view, settings, IndependentSampler::new, text);
         share = independent.min(compare(view, settings, SobolSampler::new, text));
     });

@@ -3,9 +3,8 @@
 use crate::files::Files;
 use crate::materials::WITHOUT_VARIANT;
 use crate::room::{CONSTANT, LAMP, POINT, Room};
-use crate::samples::{
-    all_simd_levels, assert_same, in_waves, lit_share, one_by_one, starts, with_view,
-};
+use crate::samples::{all_simd_levels, assert_same, in_waves, lit_share, one_by_one, starts};
+use crate::view::with_view;
 use halflight_kernel::sampler::{IndependentSampler, SobolSampler};
 use halflight_kernel::transport::wavefront::Wavefront;
 
@@ -38,7 +37,9 @@ fn agree<const N: usize>(sizes: &[usize]) {
     let mut wave: Box<Wavefront<IndependentSampler, N>> = bytemuck::zeroed_box();
     for room in rooms() {
         let text = room.text();
-        with_view(&room.build(&files), |view, settings| {
+        let scene = room.build(&files);
+        let settings = &scene.settings;
+        with_view(&scene, |view| {
             let starts = starts(view, IndependentSampler::new);
             let expected = one_by_one(view, settings, &starts);
             assert!(lit_share(&expected) > 0.4, "{text}");
@@ -72,7 +73,9 @@ fn slots_for_few_paths() {
 fn a_wave_without_paths_has_no_samples() {
     let files = Files::new();
     let mut wave: Box<Wavefront<SobolSampler, 512>> = bytemuck::zeroed_box();
-    with_view(&rooms()[0].build(&files), |view, settings| {
+    let scene = rooms()[0].build(&files);
+    let settings = &scene.settings;
+    with_view(&scene, |view| {
         for simd in all_simd_levels() {
             assert!(wave.run(simd, view, settings).is_empty());
         }
@@ -84,7 +87,9 @@ fn paths_beyond_the_capacity_are_left_out() {
     type Small = Wavefront<SobolSampler, 512>;
     let files = Files::new();
     let mut wave: Box<Small> = bytemuck::zeroed_box();
-    with_view(&rooms()[0].build(&files), |view, settings| {
+    let scene = rooms()[0].build(&files);
+    let settings = &scene.settings;
+    with_view(&scene, |view| {
         let starts = starts(view, SobolSampler::new);
         let expected = one_by_one(view, settings, &starts[..Small::CAPACITY]);
         assert!(lit_share(&expected) > 0.0);
@@ -105,7 +110,9 @@ fn the_order_of_paths_is_of_no_matter() {
     let files = Files::new();
     let mut wave: Box<Wavefront<SobolSampler, 1024>> = bytemuck::zeroed_box();
     for room in rooms() {
-        with_view(&room.build(&files), |view, settings| {
+        let scene = room.build(&files);
+        let settings = &scene.settings;
+        with_view(&scene, |view| {
             let mut starts = starts(view, SobolSampler::new);
             // A step without a common divisor with their number.
             let count = starts.len();

@@ -30,6 +30,7 @@ use crate::transport::bounce::{Rays, shade};
 use crate::transport::divided::{DividedPath, Mixture};
 use crate::transport::path::{Path, SinglePath};
 use crate::transport::retargeted;
+use crate::transport::retargeted::bidirectional::EditedSample;
 use crate::transport::settings::IntegratorSettings;
 use arrayvec::ArrayVec;
 use glam::Vec2;
@@ -270,9 +271,8 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
     ) {
         let mut store = Vertices::default();
         match &self.edits {
-            Some(edits) => retargeted::bidirectional::sample_observed(
-                self.view, algorithm, edits, None, light, sensor, seen, &mut store, observer,
-            ),
+            Some(edits) => EditedSample::new(self.view, algorithm, edits, None)
+                .sample_observed(light, sensor, seen, &mut store, observer),
             None => sample_observed(
                 self.view, algorithm, light, sensor, seen, &mut store, observer,
             ),

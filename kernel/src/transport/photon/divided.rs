@@ -5,9 +5,10 @@
 
 use super::adaptive::{AdaptiveRadii, for_gathered};
 use super::cache::Photon;
+use super::merging::PassPhotons;
 use super::progressive::Progressive;
 use super::statistics::PhotonPass;
-use super::tracing::{PhotonStore, PhotonTracer};
+use super::tracing::{LightBounce, PhotonStore, PhotonTracer};
 use crate::math::Rgb;
 use crate::path::rules::step;
 use crate::path::{
@@ -15,10 +16,8 @@ use crate::path::{
 };
 use crate::sampler::Sampler;
 use crate::scene::camera::CameraSample;
-use crate::scene::{Hit, SceneView, Tables, Traverse};
-use crate::transport::bidirectional::{
-    DividedPhotons, DividedSample, PathObserver, SharedObserver, StateStore,
-};
+use crate::scene::{SceneView, Traverse};
+use crate::transport::bidirectional::{DividedSample, PathObserver, SharedObserver, StateStore};
 use core::cell::RefCell;
 use glam::Vec3;
 
@@ -31,22 +30,19 @@ pub trait DividedStore: PhotonStore {
 /// [`PhotonTracer::light_bounce`] of a walk that reads expressions; it ends where nothing that counts can come of it.
 pub fn divided_light_bounce<S: Sampler, P: DividedStore>(
     tracer: &PhotonTracer<'_>,
-    tables: &Tables<'_>,
     expressions: &PathExpressions<'_>,
-    walk: &mut Walk,
     states: &mut PathStates,
-    sampler: &mut S,
-    hit: &Hit,
-    site: &mut ShadingPoint,
-    store: &mut P,
+    bounce: &mut LightBounce<'_, S, P>,
 ) -> u32 {
-    let (depth, direction) = (walk.subpath.depth, walk.subpath.ray.direction);
-    store.set_states(states);
-    let next = tracer.light_bounce(walk, sampler, hit, site, store);
-    if next == step::TRACE && walk.subpath.depth > depth {
-        let at = site.interaction(direction);
+    let arriving = bounce.walk.subpath;
+    bounce.store.set_states(states);
+    let next = tracer.light_bounce(bounce);
+    let walk = &*bounce.walk;
+    if next == step::TRACE && walk.subpath.depth > arriving.depth {
+        let at = bounce.site.interaction(arriving.ray.direction);
         let wo = at.effective(walk.subpath.ray.direction);
-        let scattered = Scattered::sampled(at.bsdf, tables.data, at.wi, wo, walk.event);
+        let data = tracer.connector.tables.data;
+        let scattered = Scattered::sampled(at.bsdf, data, at.wi, wo, walk.event);
         let automaton = &expressions.from_light;
         *states = states.after(expressions, automaton, at.point, &scattered);
         if expressions.only != 0 && states.is_dead() {
@@ -56,24 +52,20 @@ pub fn divided_light_bounce<S: Sampler, P: DividedStore>(
     next
 }
 
-/// One camera walk of progressive photon mapping among the photons of a pass; `add` takes what it finds with the shares of the
-/// expressions in it. With `adaptive`, radii of its own, it is a walk of [`super::adaptive`] and adds to the statistics there.
+/// One camera walk of progressive photon mapping among the photons of a pass, which `divided` has too; that takes what it finds
+/// with the shares of the expressions in it. With `adaptive`, radii of its own, it is a walk of [`super::adaptive`] and adds to the
+/// statistics there.
 pub fn sample_among_photons<T: Traverse, S: Sampler, K: StateStore>(
     view: &SceneView<'_, T>,
     algorithm: &Progressive<'_>,
-    expressions: &PathExpressions<'_>,
-    photons: &DividedPhotons<'_>,
+    of_pass: &PassPhotons<'_>,
     mut adaptive: Option<(AdaptiveRadii, &mut PhotonPass)>,
     sampler: &mut S,
     seen: &CameraSample,
-    states: &mut K,
-    add: impl FnMut(Contribution, &Shares),
+    divided: &mut DividedSample<'_, '_, T, K, impl FnMut(Contribution, &Shares)>,
 ) {
     let connector = &algorithm.connector;
-    let mut divided =
-        DividedSample::new(view, connector, *expressions, Some(*photons), states, add);
-    let divided = RefCell::new(&mut divided);
-    let of_pass = &photons.photons;
+    let divided = RefCell::new(divided);
     let mut site = ShadingPoint::NONE;
     let mut walk = Walk::from_sensor(seen);
     let mut next = if walk.subpath.may_continue(&connector.rules) {

@@ -22,7 +22,7 @@
 
 use super::cache::{Photon, PhotonCache};
 use super::estimate::{LEAST_COSINE, for_photons_within};
-use super::tracing::{PhotonStore, PhotonTracer, is_found_by_photons_alone};
+use super::tracing::{LightBounce, PhotonStore, PhotonTracer, is_found_by_photons_alone};
 use crate::math::{float, vec3};
 use crate::path::rules::step;
 use crate::path::{ShadingPoint, Walk};
@@ -218,9 +218,13 @@ impl<T: Traverse> VisiblePhotons<'_, T> {
         while next == step::TRACE {
             sampler.start_bounce(walk.subpath.depth.saturating_add(walk.subpath.crossings));
             let hit = self.view.traverse.closest_hit(&walk.subpath.ray);
-            next = self
-                .tracer
-                .light_bounce(&mut walk, sampler, &hit, site, list);
+            next = self.tracer.light_bounce(&mut LightBounce {
+                walk: &mut walk,
+                sampler,
+                hit: &hit,
+                site,
+                store: list,
+            });
         }
         list.any(|position, photon| self.seen_by.is_gathered(position, photon))
     }

@@ -27,6 +27,20 @@ pub struct PhotonTracer<'a> {
     pub keeps_direct: bool,
 }
 
+/// What a bounce of a light walk works on.
+pub struct LightBounce<'a, S, P> {
+    /// The walk.
+    pub walk: &'a mut Walk,
+    /// Its random numbers.
+    pub sampler: &'a mut S,
+    /// What its ray has met.
+    pub hit: &'a Hit,
+    /// Storage for the surface there.
+    pub site: &'a mut ShadingPoint,
+    /// Where its photons are kept.
+    pub store: &'a mut P,
+}
+
 impl PhotonTracer<'_> {
     /// The ray with which a light walk begins.
     #[inline]
@@ -38,15 +52,18 @@ impl PhotonTracer<'_> {
     }
 
     /// One bounce of a light walk, from what its ray meets to its next ray; keeps the photon where
-    /// a camera walk may gather it. Returns what is next, [`step::TRACE`] or [`step::END`]. `site` is a buffer for the surface.
+    /// a camera walk may gather it. Returns what is next, [`step::TRACE`] or [`step::END`].
     pub fn light_bounce<S: Sampler, P: PhotonStore>(
         &self,
-        walk: &mut Walk,
-        sampler: &mut S,
-        hit: &Hit,
-        site: &mut ShadingPoint,
-        store: &mut P,
+        bounce: &mut LightBounce<'_, S, P>,
     ) -> u32 {
+        let LightBounce {
+            walk,
+            sampler,
+            hit,
+            site,
+            store,
+        } = bounce;
         let connector = &self.connector;
         let (_, next) = connector.arrive(walk, hit, site);
         if next != step::SCATTER {
@@ -56,8 +73,8 @@ impl PhotonTracer<'_> {
         let at = site
             .interaction(direction)
             .regularized(connector.regularization.tau, connector.regularization.flags);
-        self.deposit(walk, &at, store);
-        connector.scatter(walk, &at, sampler)
+        self.deposit(walk, &at, *store);
+        connector.scatter(walk, &at, *sampler)
     }
 
     /// Keeps the photon of a walk where it has arrived, if a camera walk may gather it.

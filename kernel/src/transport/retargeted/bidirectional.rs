@@ -31,62 +31,70 @@ pub(super) struct LightVertices {
     pub incoming: ArrayVec<IncomingDirection, MAX_VERTICES>,
 }
 
-/// The sample of both walks of [`crate::transport::bidirectional::sample_observed`] with edits, and photons to merge if there are
-/// any. The observer is not asked for photons.
-pub fn sample_observed<T: Traverse, S: Sampler, V: VertexStore>(
-    view: &SceneView<'_, T>,
-    algorithm: &Bidirectional<'_>,
-    edits: &Edits<'_>,
-    photons: Option<&EditedPhotons<'_>>,
-    light_sampler: &mut S,
-    camera_sampler: &mut S,
-    seen: &CameraSample,
-    store: &mut V,
-    observer: &mut impl PathObserver,
-) {
-    let mut edited = Edited {
-        view,
-        algorithm: *algorithm,
-        edits,
-        photons,
-        light: LightVertices {
-            first: NONE,
-            states: ArrayVec::new(),
-            incoming: ArrayVec::new(),
-        },
-        last: NONE,
-        start: EmissionSample::NONE,
-    };
-    edited.algorithm.connector.strategies.meets_lens = false;
-    let connector = &edited.algorithm.connector;
-    if connector.rules.max_depth == 0 {
-        return;
-    }
-    if connector.strategies.heuristic.connects {
-        edited.start = algorithm.emit(light_sampler);
-    }
-    if edited.start.is_some() {
-        edited.trace_light(light_sampler, store, observer);
-    }
-    if algorithm.has_camera_walks {
-        edited.trace_camera(camera_sampler, seen, store, observer);
-    }
-}
-
-/// A sample of both walks.
-pub(super) struct Edited<'a, 'b, T: Traverse> {
+/// A sample of both walks with edits.
+pub struct EditedSample<'a, 'b, T: Traverse> {
     view: &'a SceneView<'b, T>,
-    pub algorithm: Bidirectional<'a>,
-    pub edits: &'a Edits<'a>,
-    pub photons: Option<&'a EditedPhotons<'a>>,
-    pub light: LightVertices,
+    pub(super) algorithm: Bidirectional<'a>,
+    pub(super) edits: &'a Edits<'a>,
+    pub(super) photons: Option<&'a EditedPhotons<'a>>,
+    pub(super) light: LightVertices,
     /// The index of the light walk's last vertex.
-    pub last: u32,
+    pub(super) last: u32,
     /// Where the light walk started.
-    pub start: EmissionSample,
+    pub(super) start: EmissionSample,
 }
 
-impl<T: Traverse> Edited<'_, '_, T> {
+impl<'a, 'b, T: Traverse> EditedSample<'a, 'b, T> {
+    /// Before its walks, with photons to merge if there are any.
+    pub fn new(
+        view: &'a SceneView<'b, T>,
+        algorithm: &Bidirectional<'a>,
+        edits: &'a Edits<'a>,
+        photons: Option<&'a EditedPhotons<'a>>,
+    ) -> EditedSample<'a, 'b, T> {
+        let mut algorithm = *algorithm;
+        algorithm.connector.strategies.meets_lens = false;
+        EditedSample {
+            view,
+            algorithm,
+            edits,
+            photons,
+            light: LightVertices {
+                first: NONE,
+                states: ArrayVec::new(),
+                incoming: ArrayVec::new(),
+            },
+            last: NONE,
+            start: EmissionSample::NONE,
+        }
+    }
+}
+
+impl<T: Traverse> EditedSample<'_, '_, T> {
+    /// [`crate::transport::bidirectional::sample_observed`] with edits. The observer is not asked for photons.
+    pub fn sample_observed<S: Sampler, V: VertexStore>(
+        mut self,
+        light_sampler: &mut S,
+        camera_sampler: &mut S,
+        seen: &CameraSample,
+        store: &mut V,
+        observer: &mut impl PathObserver,
+    ) {
+        let connector = &self.algorithm.connector;
+        if connector.rules.max_depth == 0 {
+            return;
+        }
+        if connector.strategies.heuristic.connects {
+            self.start = self.algorithm.emit(light_sampler);
+        }
+        if self.start.is_some() {
+            self.trace_light(light_sampler, store, observer);
+        }
+        if self.algorithm.has_camera_walks {
+            self.trace_camera(camera_sampler, seen, store, observer);
+        }
+    }
+
     fn trace_light<S: Sampler, V: VertexStore>(
         &mut self,
         sampler: &mut S,

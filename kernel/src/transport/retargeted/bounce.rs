@@ -10,7 +10,7 @@ use crate::path::{Connector, Interaction, Scattered, ShadingPoint, Walk};
 use crate::sampler::Sampler;
 use crate::scene::{Hit, SurfacePoint};
 use crate::transport::bidirectional::PathObserver;
-use crate::transport::photon::tracing::{PhotonStore, PhotonTracer};
+use crate::transport::photon::tracing::{LightBounce, PhotonStore, PhotonTracer};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
@@ -24,13 +24,16 @@ pub trait EditedStore: PhotonStore {
 pub fn light_bounce<S: Sampler, P: EditedStore>(
     tracer: &PhotonTracer<'_>,
     edits: &Edits<'_>,
-    walk: &mut Walk,
     states: &mut EditStates,
-    sampler: &mut S,
-    hit: &Hit,
-    site: &mut ShadingPoint,
-    store: &mut P,
+    bounce: &mut LightBounce<'_, S, P>,
 ) -> u32 {
+    let LightBounce {
+        walk,
+        sampler,
+        hit,
+        site,
+        store,
+    } = bounce;
     let connector = &tracer.connector;
     let direction = walk.subpath.ray.direction;
     let (_, next) = connector.arrive(walk, hit, site);
@@ -38,11 +41,11 @@ pub fn light_bounce<S: Sampler, P: EditedStore>(
         return next;
     }
     store.set_states(states);
-    tracer.deposit(walk, &site.interaction(direction), store);
-    let incoming = arrive(connector, edits, states, walk, site, sampler);
+    tracer.deposit(walk, &site.interaction(direction), *store);
+    let incoming = arrive(connector, edits, states, walk, site, *sampler);
     let retargeted = Retargeted::new(edits, states, incoming);
     let at = site.interaction(direction).retargeted(&retargeted);
-    let (next, after) = scatter(connector, walk, &at, &retargeted, sampler, |_, _| true);
+    let (next, after) = scatter(connector, walk, &at, &retargeted, *sampler, |_, _| true);
     *states = after;
     next
 }

@@ -1,7 +1,7 @@
 //! What completes the paths of walks from both ends with edits: light samples, connections and photons, each once for every label that
 //! its ends allow.
 
-use super::bidirectional::Edited;
+use super::bidirectional::EditedSample;
 use super::bounce::{labels_of, towards};
 use super::photons::{for_gathered, light_up};
 use crate::math::vec3;
@@ -12,7 +12,7 @@ use crate::scene::{NONE, Traverse};
 use crate::transport::bidirectional::{PathObserver, VertexStore};
 use crate::transport::photon::merging::merging_weight;
 
-impl<T: Traverse> Edited<'_, '_, T> {
+impl<T: Traverse> EditedSample<'_, '_, T> {
     /// Next event estimation, by each label.
     pub(super) fn light_up<S: Sampler>(
         &self,

@@ -3,26 +3,26 @@
 use super::records::NodeStore;
 use crate::path::path_node::PathNode;
 use crate::path::rules::step;
-use crate::path::{ShadingPoint, Walk};
 use crate::regularize::settings::Regularization;
 use crate::sampler::Sampler;
-use crate::scene::{Hit, Tables};
-use crate::transport::photon::tracing::PhotonTracer;
+use crate::transport::photon::tracing::{LightBounce, PhotonTracer};
 
 /// [`PhotonTracer::light_bounce`] of a walk that keeps its vertices, the last of them with the index `last`; the weights of
 /// `tracer` are those without regularisation.
 pub fn photon_bounce<S: Sampler, P: NodeStore>(
     tracer: &PhotonTracer<'_>,
     regularization: &Regularization,
-    walk: &mut Walk,
     last: &mut u32,
-    sampler: &mut S,
-    hit: &Hit,
-    site: &mut ShadingPoint,
-    store: &mut P,
+    bounce: &mut LightBounce<'_, S, P>,
 ) -> u32 {
+    let LightBounce {
+        walk,
+        sampler,
+        hit,
+        site,
+        store,
+    } = bounce;
     let connector = &tracer.connector;
-    let tables: &Tables<'_> = connector.tables;
     let next = connector.arrive(walk, hit, site).1;
     if next != step::SCATTER {
         return next;
@@ -30,8 +30,7 @@ pub fn photon_bounce<S: Sampler, P: NodeStore>(
     let at = site.interaction(walk.subpath.ray.direction);
     let before = store.node_mut(*last).copied();
     let node = PathNode::new(
-        tables,
-        &connector.strategies,
+        connector,
         regularization,
         walk,
         hit,
@@ -44,13 +43,13 @@ pub fn photon_bounce<S: Sampler, P: NodeStore>(
     tracer.deposit(
         walk,
         &at.regularized(regularization.tau, regularization.flags),
-        store,
+        *store,
     );
     let depth = walk.subpath.depth;
-    let next = connector.scatter(walk, &at, sampler);
+    let next = connector.scatter(walk, &at, *sampler);
     if next == step::TRACE && walk.subpath.depth > depth {
         if let Some(node) = store.node_mut(index) {
-            node.record_scattering(tables, regularization, &at, walk);
+            node.record_scattering(connector.tables, regularization, &at, walk);
         }
         *last = index;
     }

@@ -65,7 +65,6 @@ impl Adaptive<'_> {
     ) {
         let connector = &self.algorithm.connector;
         let strategies = &connector.strategies;
-        let tables = connector.tables;
         let mut walk = Walk::from_emitter(start);
         let mut last = NONE;
         let mut next = step::TRACE;
@@ -82,8 +81,7 @@ impl Adaptive<'_> {
             let at = workspace.points.arrived.interaction(direction);
             let before = (last, workspace.light.get(last as usize));
             let node = PathNode::new(
-                tables,
-                strategies,
+                connector,
                 &self.regularization,
                 &walk,
                 &hit,
@@ -151,8 +149,7 @@ impl Adaptive<'_> {
             };
             let of_walk = (last, before);
             let mut node = PathNode::new(
-                tables,
-                strategies,
+                connector,
                 &self.regularization,
                 &walk,
                 &hit,

@@ -4,13 +4,14 @@
 //! goes on later and their union then have the numbers of one run (Jendersie and Grosch 2019, equation 16; Kaplanyan 2017,
 //! equation 6.5).
 //!
-//! - microfacet models: `tau_n`, the largest value of a regularised BSDF per steradian;
+//! - microfacet models: `tau_n`, the largest value of a regularised BSDF per steradian, that of a cone whose tangent shrinks as
+//!   `n^-lambda`;
 //! - path space: `r_n = r_0 n^-lambda`, the radius at the far end of a connection within which a discrete direction counts; Markov
 //!   chains shrink it further from step to step, `r_n gamma^m`.
 //!
 //! Plain data of 32-bit words, because shaders read the block of all settings.
 
-use super::bandwidth::{TAU_MAX, optimal_exponent, power_law, tau_schedule};
+use super::bandwidth::{TAU_MAX, optimal_exponent, power_law, tau_power_law};
 use super::heuristic::{PathDiffusion, diffusion_threshold, quality_share};
 use super::mollifier;
 use super::near_specular::{DEFAULT_QUANTILE, half_tangent};
@@ -46,7 +47,7 @@ pub struct RegularizationSettings {
     pub tau: f32,
     /// r of the first sample, zero for none.
     pub radius: f32,
-    /// lambda, by which r shrinks.
+    /// lambda, by which r shrinks, or the tangent of the cone of value tau.
     pub exponent: f32,
     /// One of the kernels of [`mollifier`].
     pub kernel: u32,
@@ -180,7 +181,7 @@ impl Regularization {
         Regularization {
             // The schedule of the first sample is tau_0 but for rounding.
             tau: if n > 1 {
-                tau_schedule(settings.tau, n)
+                tau_power_law(settings.tau, n, settings.exponent)
             } else {
                 settings.tau
             },

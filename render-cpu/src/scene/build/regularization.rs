@@ -118,6 +118,7 @@ pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
                     .ok_or("tau is a value per steradian, 0.16 or more, or inf")?
                     .min(f64::from(TAU_MAX)) as f32;
             }
+            Some(("lambda", value)) => regularization.exponent = exponent(value)?,
             Some(("fade", value)) => {
                 regularization.fade = number(value, |v| (0.0..=1.0).contains(&v))
                     .ok_or("fade lies between 0 and 1")?
@@ -131,7 +132,7 @@ pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
             _ => shared(
                 word,
                 &mut regularization,
-                "tau=30, quality, fade=0.5, diffusion, virtual, weights=plain, constant and lights=all",
+                "tau=30, lambda=0.167, quality, fade=0.5, diffusion, virtual, weights=plain, constant and lights=all",
             )?,
         }
     }
@@ -159,11 +160,7 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
                     regularization.flags |= flag::RELATIVE_RADIUS;
                 }
             }
-            Some(("lambda", value)) => {
-                regularization.exponent = number(value, |v| is_consistent(v as f32, DIMENSIONS))
-                    .ok_or("lambda lies between 0 and 1/2")?
-                    as f32;
-            }
+            Some(("lambda", value)) => regularization.exponent = exponent(value)?,
             Some(("gamma", value)) => {
                 let gamma = number(value, |v| v > 0.0 && v <= 1.0)
                     .ok_or("gamma lies between 0 and 1, as 0.9999")?;
@@ -215,6 +212,11 @@ fn shared(
     Ok(())
 }
 
+fn exponent(text: &str) -> Result<f32, &'static str> {
+    let exponent = number(text, |v| is_consistent(v as f32, DIMENSIONS));
+    Ok(exponent.ok_or("lambda lies between 0 and 1/2")? as f32)
+}
+
 fn number(text: &str, holds: impl Fn(f64) -> bool) -> Option<f64> {
     text.trim().parse().ok().filter(|v: &f64| holds(*v))
 }
@@ -232,6 +234,8 @@ mod tests {
         let regularization = parse_regularize("tau=50, constant,lights=all").unwrap();
         assert_eq!(regularization.flags, flag::CONSTANT | flag::ALL_LIGHTS);
         assert!(!parse_regularize("tau=inf").unwrap().is_some());
+        assert_eq!(parse_regularize("tau=30,lambda=0.25").unwrap().exponent, 0.25);
+        assert!(parse_regularize("tau=30,lambda=0.5").is_err());
         let regularization = parse_mollify("r0=1%").unwrap();
         assert!(regularization.radius == 0.01 && regularization.flags == flag::RELATIVE_RADIUS);
         let regularization = parse_mollify("r0=0.25,kernel=constant,lambda=0.25").unwrap();

@@ -17,6 +17,7 @@
 //! finite for every roughness and index.
 
 use super::fresnel::{fresnel_dielectric, reflect, refract, relative_eta};
+use super::microfacet::Microfacets;
 use super::{BsdfSample, Lobe, event, mode};
 use crate::math::Rgb;
 use crate::math::float::abs;
@@ -56,6 +57,20 @@ impl Half {
             self.cos_o
         };
         fresnel_dielectric(cos, lobe.eta.x).0
+    }
+
+    /// The BSDF for radiance without its colour.
+    #[cfg_attr(target_arch = "spirv", inline)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    fn value(&self, lobe: &Lobe, facets: &Microfacets, wi: Vec3, wo: Vec3) -> f32 {
+        let reflectance = self.reflectance(lobe);
+        let area = facets.projected_area(wi) * facets.projected_area(wo);
+        let d = facets.distribution(self.m) / area;
+        if self.reflection {
+            0.25 * reflectance * d
+        } else {
+            (1.0 - reflectance) * d * abs(self.cos_i * self.cos_o) / self.length_squared
+        }
     }
 }
 
@@ -97,20 +112,52 @@ pub fn eval(lobe: &Lobe, wi: Vec3, wo: Vec3) -> Rgb {
     if !half.valid {
         return Rgb::ZERO;
     }
-    let reflectance = half.reflectance(lobe);
-    let facets = lobe.microfacets();
-    let area = facets.projected_area(wi) * facets.projected_area(wo);
-    let d = facets.distribution(half.m) / area;
+    let f = half.value(lobe, &lobe.microfacets(), wi, wo);
     if half.reflection {
-        lobe.specular_reflectance * (0.25 * reflectance * d)
+        lobe.specular_reflectance * f
     } else {
-        let f = (1.0 - reflectance) * d * abs(half.cos_i * half.cos_o) / half.length_squared;
         let scale = if lobe.mode == mode::RADIANCE {
             1.0
         } else {
             half.eta * half.eta
         };
         lobe.specular_transmittance * (f * scale)
+    }
+}
+
+/// The BSDF for radiance of a boundary with other microfacets.
+#[derive(Clone, Copy)]
+pub(crate) struct BoundaryValue {
+    /// Its value without the lobe's colour.
+    pub value: f32,
+    /// Whether light is reflected.
+    pub reflection: bool,
+    /// The value with exchanged directions over this one: the squared relative index where light is refracted.
+    pub exchanged: f32,
+}
+
+/// [`eval`] with the microfacets `facets` instead of the lobe's. With their projected areas A the densities of visible normals
+/// are `value exchanged A(wo)` for wo and `value A(wi)` for wi where wo is known, times Fresnel's share, which the value holds.
+#[inline]
+pub(crate) fn boundary_value(
+    lobe: &Lobe,
+    facets: &Microfacets,
+    wi: Vec3,
+    wo: Vec3,
+) -> BoundaryValue {
+    let half = half_vector(lobe, wi, wo);
+    BoundaryValue {
+        value: if half.valid {
+            half.value(lobe, facets, wi, wo)
+        } else {
+            0.0
+        },
+        reflection: half.reflection,
+        exchanged: if half.reflection {
+            1.0
+        } else {
+            half.eta * half.eta
+        },
     }
 }
 

@@ -8,12 +8,11 @@
 //! Invariants (tests): the two densities are exchanged with the directions; without a raised lobe all is as it was.
 
 use super::bandwidth::TAU_MAX;
-use super::metal::{eval_both, is_plain_metal};
+use super::boundary::{glass_both, is_plain_glass, is_plain_metal, metal_both};
 use super::regularized_bsdf::{
     alpha_hat, density, eval_cosine_pdf, mixture_eval_cosine_pdf, regularized_lobe,
 };
 use crate::bsdf::{Bsdf, BsdfValue, Lobe, lobe, mode};
-use crate::math::float::abs;
 use crate::scene::{SurfacePoint, Tables, lobe_kind};
 use glam::Vec3;
 
@@ -62,7 +61,7 @@ pub fn eval_cosine_pdf_both(
 ) -> BsdfValue {
     if bsdf.lobe_count() == 1 && is_plain_metal(bsdf.lobe_at(0)) {
         let only = bsdf.lobe_at(0);
-        let both = lobe_both(only, tables.data, wi, wo, is_exchanged, tau);
+        let both = metal_both(only, wi, wo, is_exchanged, tau);
         return BsdfValue {
             value: both.value * only.weight,
             ..both
@@ -112,12 +111,10 @@ fn lobe_both(
     tau: f32,
 ) -> BsdfValue {
     if is_plain_metal(lobe) {
-        let both = eval_both(lobe, wi, wo, tau);
-        let cosine = abs(if is_exchanged { wi.z } else { wo.z });
-        return BsdfValue {
-            value: both.value * cosine,
-            ..both
-        };
+        return metal_both(lobe, wi, wo, is_exchanged, tau);
+    }
+    if is_plain_glass(lobe) {
+        return glass_both(lobe, wi, wo, is_exchanged, tau);
     }
     if lobe.kind == lobe_kind::THIN_DIELECTRIC {
         let forward = eval_cosine_pdf(lobe, data, wi, wo, tau);

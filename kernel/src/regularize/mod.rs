@@ -13,7 +13,7 @@
 //! | [`power_bounds`] | the same for the exponential power distribution |
 //! | [`regularized_bsdf`] | a lobe or material evaluated below tau, and its density for multiple importance sampling |
 //! | `plain_lobe` | the same of one lobe, for loops over lanes |
-//! | [`both_ways`] | the same of a material with the densities of both directions; `metal`: of metals in one look |
+//! | [`both_ways`] | the same of a material with the densities of both directions; `boundary`: of metals and glass in one look |
 //! | [`settings`] | what a run is asked for, and what one sample has |
 //! | [`heuristic`] | where a path needs it: sampler quality and path diffusion |
 //! | [`near_specular`] | rough lobes that count as specular where path space is regularised |
@@ -51,10 +51,10 @@
 
 pub mod bandwidth;
 pub mod both_ways;
+mod boundary;
 pub mod bounds;
 pub mod cone;
 pub mod heuristic;
-mod metal;
 pub mod mollifier;
 pub mod near_specular;
 #[cfg(not(target_arch = "spirv"))]

@@ -234,7 +234,10 @@ mod tests {
         let regularization = parse_regularize("tau=50, constant,lights=all").unwrap();
         assert_eq!(regularization.flags, flag::CONSTANT | flag::ALL_LIGHTS);
         assert!(!parse_regularize("tau=inf").unwrap().is_some());
-        assert_eq!(parse_regularize("tau=30,lambda=0.25").unwrap().exponent, 0.25);
+        assert_eq!(
+            parse_regularize("tau=30,lambda=0.25").unwrap().exponent,
+            0.25
+        );
         assert!(parse_regularize("tau=30,lambda=0.5").is_err());
         let regularization = parse_mollify("r0=1%").unwrap();
         assert!(regularization.radius == 0.01 && regularization.flags == flag::RELATIVE_RADIUS);

@@ -21,9 +21,6 @@ use crate::scene::intersect::offset_by;
 use crate::scene::{SceneView, Traverse};
 use glam::{Mat2, Vec2, Vec3};
 
-/// Smallest part of a step.
-const SMALLEST_STEP: f32 = 1.0 / 1024.0;
-
 /// Walks from `start` to the path with the half vectors `target` by correcting its end with T_1.
 pub fn explore<T: Traverse, const N: usize>(
     view: &SceneView<'_, T>,
@@ -98,7 +95,7 @@ pub fn explore<T: Traverse, const N: usize>(
         } else {
             beta *= 0.5;
             // A first trace that is lost has no step to shorten.
-            if beta < SMALLEST_STEP || error == f32::MAX {
+            if beta < options.smallest_step || error == f32::MAX {
                 out.status = walk_status::STALLED;
                 return out;
             }

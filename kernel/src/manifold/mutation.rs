@@ -72,34 +72,67 @@ pub fn mutate<T: Traverse, const N: usize>(
     target: &[Vec2; N],
     options: &WalkOptions,
 ) -> Mutation<N> {
+    let mut found = propose(view, start, jacobian, target, options);
+    test_way_back(view, start, options, &mut found);
+    found
+}
+
+/// The same without the walk back: a walk may turn out not to be reversible, and a jump to be none ([`test_way_back`]).
+fn propose<T: Traverse, const N: usize>(
+    view: &SceneView<'_, T>,
+    start: &[ChainVertex; N],
+    jacobian: &ChainJacobian<N>,
+    target: &[Vec2; N],
+    options: &WalkOptions,
+) -> Mutation<N> {
     let there = walk(view, start, jacobian, target, options);
-    let mut out = Mutation {
+    if !there.is_converged() {
+        let mut out = jump(view, start, jacobian, target, options);
+        out.walk_status = there.status;
+        out.iterations = there.iterations;
+        return out;
+    }
+    let found = ChainJacobian::new(&there.vertices, jacobian.len, options.form);
+    Mutation {
         vertices: there.vertices,
-        jacobian: *jacobian,
-        kind: mutation_kind::FAILED,
+        jacobian: found,
+        kind: mutation_kind::WALK,
         walk_status: there.status,
         iterations: there.iterations,
         reverse_iterations: 0,
         reverse_target: jacobian.h,
-        forward_factor: Scaled::ZERO,
-        reverse_factor: Scaled::ZERO,
+        forward_factor: density_factor(&found),
+        reverse_factor: density_factor(jacobian),
+    }
+}
+
+/// Makes a walk that does not come back to `start` irreversible, and a jump of none from which a walk would.
+pub fn test_way_back<T: Traverse, const N: usize>(
+    view: &SceneView<'_, T>,
+    start: &[ChainVertex; N],
+    options: &WalkOptions,
+    found: &mut Mutation<N>,
+) {
+    if found.kind != mutation_kind::WALK && found.kind != mutation_kind::JUMP {
+        return;
+    }
+    let (from, target) = (&found.vertices, &found.reverse_target);
+    let back = walk(view, from, &found.jacobian, target, options);
+    found.reverse_iterations = back.iterations;
+    let leads_back = if found.kind == mutation_kind::WALK {
+        back.is_converged() && is_same_path(&back.vertices, start, back.len, options)
+    } else {
+        back.status != walk_status::CONVERGED
     };
-    if !there.is_converged() {
-        jump(view, start, jacobian, target, options, &mut out);
-        return out;
+    if !leads_back {
+        found.kind = if found.kind == mutation_kind::WALK {
+            mutation_kind::NOT_REVERSIBLE
+        } else {
+            mutation_kind::FAILED
+        };
+        found.forward_factor = Scaled::ZERO;
+        found.reverse_factor = Scaled::ZERO;
     }
-    let len = jacobian.len;
-    let found = ChainJacobian::new(&there.vertices, len, options.form);
-    let back = walk(view, &there.vertices, &found, &jacobian.h, options);
-    out.jacobian = found;
-    out.reverse_iterations = back.iterations;
-    out.kind = mutation_kind::NOT_REVERSIBLE;
-    if back.is_converged() && is_same_path(&back.vertices, start, len, options) {
-        out.kind = mutation_kind::WALK;
-        out.forward_factor = density_factor(&found);
-        out.reverse_factor = density_factor(jacobian);
-    }
-    out
 }
 
 /// |det J| over the inner vertices: rows of pinned directions are eliminated with their endpoints.
@@ -114,43 +147,48 @@ pub fn density_factor<const N: usize>(jacobian: &ChainJacobian<N>) -> Scaled {
     jacobian.half_vectors_per_vertex_area().over(ends.abs())
 }
 
-/// The jump that the failed walk leaves.
-fn jump<T: Traverse, const N: usize>(
+/// The jump that a failed walk leaves, if the walk back fails as well ([`test_way_back`]).
+pub fn jump<T: Traverse, const N: usize>(
     view: &SceneView<'_, T>,
     start: &[ChainVertex; N],
     jacobian: &ChainJacobian<N>,
     target: &[Vec2; N],
     options: &WalkOptions,
-    out: &mut Mutation<N>,
-) {
+) -> Mutation<N> {
+    let mut out = Mutation {
+        vertices: *start,
+        jacobian: *jacobian,
+        kind: mutation_kind::FAILED,
+        walk_status: walk_status::STALLED,
+        iterations: 0,
+        reverse_iterations: 0,
+        reverse_target: jacobian.h,
+        forward_factor: Scaled::ZERO,
+        reverse_factor: Scaled::ZERO,
+    };
     let len = jacobian.len;
     if len < 3 || len > N || !jacobian.is_regular() {
-        return;
+        return out;
     }
     let from_sensor = options.projects_from_sensor(jacobian);
     let mut dx = residual(jacobian, target);
     if !jacobian.lu.solve(&mut dx) {
-        return;
+        return out;
     }
     let predicted = predict(start, &dx, 1.0);
     let trial = project(view, start, len, &predicted, from_sensor);
     if !trial.valid || !is_closed(view, &trial.vertices, len, from_sensor) {
-        return;
+        return out;
     }
     let found = ChainJacobian::new(&trial.vertices, len, options.form);
     if !found.is_regular() {
-        return;
+        return out;
     }
     let forward = prediction_between(start, &trial.vertices, len, jacobian, from_sensor);
     let back_from_sensor = options.projects_from_sensor(&found);
     let backward = prediction_between(&trial.vertices, start, len, &found, back_from_sensor);
     if !forward.valid || !backward.valid {
-        return;
-    }
-    let reverse = walk(view, &trial.vertices, &found, &backward.target, options);
-    out.reverse_iterations = reverse.iterations;
-    if reverse.status == walk_status::CONVERGED {
-        return;
+        return out;
     }
     out.kind = mutation_kind::JUMP;
     out.vertices = trial.vertices;
@@ -158,6 +196,7 @@ fn jump<T: Traverse, const N: usize>(
     out.reverse_target = backward.target;
     out.forward_factor = forward.factor;
     out.reverse_factor = backward.factor;
+    out
 }
 
 /// Whether the edge that the projection did not trace is free.

@@ -69,7 +69,10 @@ pub fn land<T: Traverse>(view: &SceneView<'_, T>, ray: &Ray, old: &ChainVertex) 
         };
     }
     let point = found.point;
-    let mut vertex = ChainVertex::from_surface_with(&point, old.reference);
+    let mut vertex = ChainVertex::without_axis(&point, old.reference);
+    if old.alpha.x != old.alpha.y {
+        vertex.set_axis(&point);
+    }
     vertex.kind = old.kind;
     vertex.eta = old.eta;
     vertex.alpha = old.alpha;

@@ -106,6 +106,20 @@ impl ChainVertex {
     /// The same, with the frame of the half vector built around a given vector.
     #[inline]
     pub fn from_surface_with(point: &SurfacePoint, reference: Vec3) -> ChainVertex {
+        let mut vertex = ChainVertex::without_axis(point, reference);
+        vertex.set_axis(point);
+        vertex
+    }
+
+    /// The axis of roughness: the first tangent of the shading frame.
+    #[inline]
+    pub fn set_axis(&mut self, point: &SurfacePoint) {
+        self.alpha_axis = self.direction_in_frame(point.frame.s);
+    }
+
+    /// The same for a vertex whose roughness is the same along all axes.
+    #[inline]
+    pub fn without_axis(point: &SurfacePoint, reference: Vec3) -> ChainVertex {
         let mut vertex = ChainVertex {
             position: point.position,
             position_error: point.position_error,
@@ -119,7 +133,6 @@ impl ChainVertex {
             ..ChainVertex::NONE
         };
         vertex.set_tangents(point.dp_du, point.dp_dv, point.dn_du, point.dn_dv);
-        vertex.alpha_axis = vertex.direction_in_frame(point.frame.s);
         vertex
     }
 

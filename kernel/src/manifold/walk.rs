@@ -30,6 +30,8 @@ pub struct WalkOptions {
     pub form: u32,
     /// The most projections.
     pub max_iterations: u32,
+    /// Smallest part of a Newton step that is tried.
+    pub smallest_step: f32,
     /// Largest distance to the exact vertex, over the scene's size.
     pub position_tolerance: f32,
     /// Largest error of a half vector's coordinates.
@@ -53,12 +55,13 @@ pub mod walk_start {
 }
 
 impl WalkOptions {
-    /// The usual limits for a scene of this radius: slopes, 20 iterations, 1e-4 and 1e-3 of the scene.
+    /// The usual limits for a scene of this radius: slopes, 20 iterations, steps down to 1 / 1024, 1e-4 and 1e-3 of the scene.
     #[inline]
     pub fn new(scene_scale: f32) -> WalkOptions {
         WalkOptions {
             form: half_vector_form::SLOPE,
             max_iterations: 20,
+            smallest_step: SMALLEST_STEP,
             position_tolerance: 1e-4,
             half_vector_tolerance: 1e-4,
             reversibility_tolerance: 1e-3,
@@ -116,7 +119,7 @@ impl<const N: usize> Walk<N> {
     }
 }
 
-/// Smallest part of a Newton step.
+/// The usual smallest part of a Newton step.
 const SMALLEST_STEP: f32 = 1.0 / 1024.0;
 
 /// Largest error of a half vector; f32::MAX for what is not finite.
@@ -250,7 +253,7 @@ pub fn walk_from<T: Traverse, const N: usize>(
             beta = if beta < 0.5 { 2.0 * beta } else { 1.0 };
         } else {
             beta *= 0.5;
-            if beta < SMALLEST_STEP {
+            if beta < options.smallest_step {
                 out.status = walk_status::STALLED;
                 return out;
             }

@@ -52,18 +52,19 @@ impl<T: Traverse> Copy for Tracer<'_, T> {}
 impl<'a, T: Traverse> Tracer<'a, T> {
     /// [`Path::evaluate`], less what path tracing keeps of the path.
     pub fn evaluate<const N: usize>(&self, path: &mut Path<N>, bsdf: &mut Bsdf) -> bool {
-        self.evaluate_and(path, bsdf, |_, _, _, _| {})
+        self.evaluate_and(path, 1, bsdf, |_, _, _, _| {})
     }
 
     /// [`Path::evaluate_and`], less the same.
     pub fn evaluate_and<const N: usize>(
         &self,
         path: &mut Path<N>,
+        first: usize,
         bsdf: &mut Bsdf,
         visit: impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
     ) -> bool {
         let tables = &self.view.tables;
-        if !path.evaluate_and(tables, &self.rules, self.edits, bsdf, visit) {
+        if !path.evaluate_and(tables, &self.rules, self.edits, first, bsdf, visit) {
             return false;
         }
         let Some(remainder) = &self.remainder else {

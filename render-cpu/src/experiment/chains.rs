@@ -3,7 +3,7 @@
 //! Chains of the bidirectional mutation and one other, from the same starts: the half-vector mutation of full paths with projections
 //! from the end that the method chooses, from the light and from the sensor; the one that breaks paths up; manifold exploration
 //! in all directions, towards the sensor and towards the light. Walks are those of the forward direction; a walk is constructed when it
-//! has found a path, and not reversible when the walk back from it leads elsewhere.
+//! has found a path. Walks back are made from paths that would be accepted; where they lead elsewhere, there is no way back.
 
 use super::steps::rendered;
 use crate::scene::build::Scene;
@@ -99,7 +99,7 @@ pub fn table(rows: &[Row]) -> String {
             share(w.found, w.walks),
             w.iterations_of_found as f64 / w.found.max(1) as f64,
             w.iterations as f64 / w.found.max(1) as f64,
-            share(w.irreversible, w.walks),
+            share(w.irreversible, w.tested),
             share(w.jumps, w.walks - w.found),
             share(w.accepted_jumps, w.jumps),
         );

@@ -14,8 +14,8 @@ pub struct ChainCounts(Vec<(String, MutationCounts)>);
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CheckpointCounts {
     name: String,
-    /// Proposed, lit, accepted; walks, found, irreversible, iterations, iterations of found, jumps, accepted jumps.
-    numbers: [u64; 10],
+    /// Proposed, lit, accepted; walks, found, irreversible, iterations, iterations of found, jumps, accepted jumps, tested.
+    numbers: [u64; 11],
 }
 
 impl PartialEq for ChainCounts {
@@ -65,6 +65,7 @@ impl ChainCounts {
                     w.iterations_of_found,
                     w.jumps,
                     w.accepted_jumps,
+                    w.tested,
                 ],
             }
         };
@@ -84,10 +85,12 @@ impl ChainCounts {
                 of_found,
                 jumps,
                 accepted_jumps,
+                tested,
             ] = walks;
             let walks = WalkCounts {
                 walks,
                 found,
+                tested,
                 irreversible,
                 iterations,
                 iterations_of_found: of_found,
@@ -118,6 +121,7 @@ impl ChainCounts {
                 entry["walks"] = serde_json::json!({
                     "made": walks.walks,
                     "found": walks.found,
+                    "tested": walks.tested,
                     "irreversible": walks.irreversible,
                     "iterations": walks.iterations,
                     "iterations_of_found": walks.iterations_of_found,
@@ -148,7 +152,7 @@ pub fn describe(name: &str, counts: &MutationCounts) -> String {
             percent(walks.found, walks.walks),
             walks.iterations_of_found as f64 / walks.found.max(1) as f64,
             walks.iterations as f64 / walks.walks as f64,
-            percent(walks.irreversible, walks.found)
+            percent(walks.irreversible, walks.tested)
         );
     }
     if walks.jumps > 0 {

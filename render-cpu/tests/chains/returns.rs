@@ -13,11 +13,11 @@ use halflight_kernel::path::full_path::Blurring;
 use halflight_kernel::sampler::{IndependentSampler, Sampler};
 use halflight_kernel::scene::{SceneView, Traverse};
 use halflight_kernel::transport::markov::algorithm::WalkCounts;
-use halflight_kernel::transport::markov::half_vector::closing::{Closing, Moved, held};
+use halflight_kernel::transport::markov::half_vector::closing::{Closing, Jump, Moved, held};
 use halflight_kernel::transport::markov::half_vector::measure::segment_factor;
 use halflight_kernel::transport::markov::half_vector::path_chain::PathChain;
 use halflight_kernel::transport::markov::half_vector::reconnection::{
-    Method, Segment, options_of, reconnect,
+    Method, Segment, leads_back, options_of, reconnect,
 };
 use halflight_kernel::transport::markov::half_vector::settings::roughness_kind;
 use halflight_kernel::transport::markov::veach::{ChainPath, candidate};
@@ -95,16 +95,22 @@ fn paths_from_which_walks_do_not_come_back_are_no_proposals() {
         let back = &segment.jacobian.h;
         let returns = leads_to(view, &there.vertices, back, &segment.vertices, &options);
         let mut counts = WalkCounts::default();
-        let found = reconnect(
+        let method = Method::HalfVectors;
+        let found = reconnect(view, segment, None, target, method, &options, &mut counts).unwrap();
+        let jacobian = ChainJacobian::new(&found, N, SLOPE);
+        let known = Some(&jacobian);
+        let got = leads_back(
             view,
             segment,
             None,
-            [target, back],
-            Method::HalfVectors,
+            &found,
+            known,
+            back,
+            method,
             &options,
             &mut counts,
         );
-        assert_eq!(found.is_some(), returns);
+        assert_eq!(got, returns);
         let mutation = mutate(view, &segment.vertices, &segment.jacobian, target, &options);
         let expected = if returns {
             mutation_kind::WALK
@@ -125,7 +131,7 @@ fn jumps_count_densities_per_area() {
     let (mut jumps, mut spread) = (0, 0.0f32);
     with_targets(|tracer, x, chain, segment, target| {
         let tables = &tracer.view.tables;
-        let Some(back) = held(x, chain, SLOPE) else {
+        let Some(back) = held(x, chain, 0, SLOPE) else {
             return;
         };
         let mut all = back.clone();
@@ -142,9 +148,16 @@ fn jumps_count_densities_per_area() {
         let mut counts = WalkCounts::default();
         let pair = (&mut y, &mut of_y);
         let moved = closing.move_or_jump(tracer, x, chain, segment, pair, SLOPE, &mut counts);
-        let Moved::Jump { factor, .. } = moved else {
+        let Some(Moved {
+            mut way_back,
+            jump: Some(Jump { factor, .. }),
+        }) = moved
+        else {
             return;
         };
+        if !closing.leads_back(tracer, [segment; 2], &mut way_back, &mut counts) {
+            return;
+        }
         let mut bsdf = Bsdf::BLACK;
         if !tracer.evaluate(&mut y, &mut bsdf) {
             return;

@@ -71,7 +71,7 @@ impl Blurring {
 }
 
 /// A full path of at most `N` vertices.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Path<const N: usize> {
     /// From the light to the lens; that of a light at infinity stands for its direction alone.
     pub vertices: ArrayVec<Vertex, N>,
@@ -93,6 +93,41 @@ pub struct Path<const N: usize> {
     pub blurring: Blurring,
     /// The only strategy s that can make the path if a vertex is blurred, zero if none is.
     pub(super) joined: usize,
+}
+
+/// Copies only the vertices that there are; `clone_from` writes nothing twice.
+impl<const N: usize> Clone for Path<N> {
+    fn clone(&self) -> Path<N> {
+        let mut out = Path::empty();
+        out.clone_from(self);
+        out
+    }
+
+    fn clone_from(&mut self, other: &Path<N>) {
+        let Path {
+            vertices,
+            emitter,
+            to_light,
+            film,
+            u_lens,
+            importance,
+            to_lens,
+            value,
+            blurring,
+            joined,
+        } = self;
+        vertices.clear();
+        vertices.extend(other.vertices.iter().copied());
+        *emitter = other.emitter;
+        *to_light = other.to_light;
+        *film = other.film;
+        *u_lens = other.u_lens;
+        *importance = other.importance;
+        *to_lens = other.to_lens;
+        *value = other.value;
+        *blurring = other.blurring;
+        *joined = other.joined;
+    }
 }
 
 impl<const N: usize> Path<N> {
@@ -162,16 +197,19 @@ impl<const N: usize> Path<N> {
         edits: Option<&Edits<'_>>,
         bsdf: &mut Bsdf,
     ) -> bool {
-        self.evaluate_and(tables, rules, edits, bsdf, |_, _, _, _| {})
+        self.evaluate_and(tables, rules, edits, 1, bsdf, |_, _, _, _| {})
     }
 
-    /// The same, and calls `visit` with the index of each inner vertex, the local directions to the sensor and to the light as the
-    /// BSDF knows them, and the BSDF: of a discrete event that looked up for the latter, else for the former.
+    /// The same, where vertices before `first`, one at least, are what they were when the path was evaluated last, and so are both
+    /// of their directions; nothing may be blurred then. Calls `visit` with the index of each other inner vertex, the local directions
+    /// to the sensor and to the light as the BSDF knows them, and the BSDF: of a discrete event that looked up for the latter, else
+    /// for the former.
     pub fn evaluate_and(
         &mut self,
         tables: &Tables<'_>,
         rules: &PathRules,
         edits: Option<&Edits<'_>>,
+        first: usize,
         bsdf: &mut Bsdf,
         mut visit: impl FnMut(&Path<N>, usize, [Vec3; 2], &Bsdf),
     ) -> bool {
@@ -210,7 +248,7 @@ impl<const N: usize> Path<N> {
         let mut value = self.emitted(tables);
         for i in 1..k {
             if !(value.max_element() > 0.0)
-                || !self.look_up(tables, rules, edits, i, bsdf, &mut visit)
+                || i >= first && !self.look_up(tables, rules, edits, i, bsdf, &mut visit)
             {
                 return false;
             }

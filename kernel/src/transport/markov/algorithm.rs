@@ -10,6 +10,8 @@ pub struct WalkCounts {
     pub walks: u64,
     /// Walks that found a path.
     pub found: u64,
+    /// Of those, the ones whose way back was looked at: of paths that would be accepted.
+    pub tested: u64,
     /// Of those, the ones whose way back leads elsewhere.
     pub irreversible: u64,
     /// Iterations of all walks.
@@ -26,6 +28,7 @@ impl WalkCounts {
     fn merge(&mut self, other: &WalkCounts) {
         self.walks += other.walks;
         self.found += other.found;
+        self.tested += other.tested;
         self.irreversible += other.irreversible;
         self.iterations += other.iterations;
         self.iterations_of_found += other.iterations_of_found;

@@ -4,10 +4,10 @@ use super::super::algorithm::WalkCounts;
 use super::super::veach::candidate::join;
 use super::super::veach::{ChainPath, MAX_VERTICES};
 use super::path_chain::{PathChain, curved, set_vertex};
-use super::reconnection::{Method, MovedEnd, Segment, options_of, reconnect};
-use crate::manifold::mutation::{density_factor, mutate, mutation_kind};
+use super::reconnection::{Method, MovedEnd, Segment, leads_back, options_of, reconnect};
+use crate::manifold::ChainVertex;
+use crate::manifold::mutation::{Mutation, density_factor, jump, mutation_kind, test_way_back};
 use crate::manifold::walk::WalkOptions;
-use crate::manifold::{ChainJacobian, ChainVertex};
 use crate::math::scaled::Scaled;
 use crate::path::full_path::vertex::Edge;
 use crate::path::tracer::Tracer;
@@ -36,12 +36,14 @@ pub(super) use with_capacity;
 /// Half vectors of the vertices of a path.
 pub type HalfVectors = ArrayVec<Vec2, MAX_VERTICES>;
 
-/// Half vectors at which a walk shall find all vertices of `chain`: those that it has, zero at discrete events. None where one has
-/// no half vector.
-pub fn held(path: &ChainPath, chain: &PathChain, form: u32) -> Option<HalfVectors> {
+/// Half vectors at which a walk shall find the vertices of `chain` behind vertex `low`: those that they have, zero at discrete events
+/// and before. None where one has no half vector.
+pub fn held(path: &ChainPath, chain: &PathChain, low: usize, form: u32) -> Option<HalfVectors> {
     let mut out = HalfVectors::new();
-    out.push(Vec2::ZERO);
-    for i in 1..path.edges() {
+    for _ in 0..=low {
+        out.push(Vec2::ZERO);
+    }
+    for i in low + 1..path.edges() {
         let h = chain.half_vector(i, form);
         out.push(match h {
             // A path whose chain cannot be rebuilt is left to other mutations.
@@ -80,7 +82,7 @@ pub struct Closing<'a> {
 }
 
 impl Closing<'_> {
-    /// The same between ends that stay: a walk, or a jump to another sub-manifold where walks fail in both directions.
+    /// The same between ends that stay: a walk, or a jump to another sub-manifold where the walk fails.
     #[allow(clippy::too_many_arguments)]
     pub fn move_or_jump<T: Traverse, const N: usize>(
         &self,
@@ -91,69 +93,43 @@ impl Closing<'_> {
         (y, of_y): (&mut ChainPath, &mut PathChain),
         form: u32,
         counts: &mut WalkCounts,
-    ) -> Moved {
-        let tables = &tracer.view.tables;
-        let (low, high) = (self.low, self.high);
+    ) -> Option<Moved<N>> {
+        let pair = (&mut *y, &mut *of_y);
+        let walked = self.close(tracer, x, chain, Some(segment), pair, None, form, counts);
+        if let Some(way_back) = walked {
+            return Some(Moved {
+                way_back,
+                jump: None,
+            });
+        }
         // A jump leaves the half vectors of discrete events behind.
-        let inner = low + 1..high;
+        let inner = self.low + 1..self.high;
         if !x.vertices[inner.clone()].iter().all(|v| v.is_smooth()) {
-            let is_found = self.close(
-                tracer,
-                x,
-                chain,
-                Some(segment),
-                (y, of_y),
-                None,
-                form,
-                counts,
-            );
-            return if is_found {
-                Moved::Walk
-            } else {
-                Moved::Nowhere
-            };
+            return None;
         }
         let options = self.options(tracer, x, chain, form);
-        let mut target = [Vec2::ZERO; N];
-        target[1..high - low].copy_from_slice(&self.target[inner.clone()]);
-        let from = &segment.jacobian;
-        let found = mutate(tracer.view, &segment.vertices, from, &target, &options);
-        counts.walks += 1;
-        counts.iterations += u64::from(found.iterations);
-        if found.kind == mutation_kind::WALK || found.kind == mutation_kind::NOT_REVERSIBLE {
-            counts.found += 1;
-            counts.iterations_of_found += u64::from(found.iterations);
-        }
-        counts.irreversible += u64::from(found.kind == mutation_kind::NOT_REVERSIBLE);
-        if found.kind != mutation_kind::WALK && found.kind != mutation_kind::JUMP {
-            return Moved::Nowhere;
-        }
-        for i in inner.clone() {
-            y.vertices[i].event = x.vertices[i].event;
-            set_vertex(tables, &mut y.vertices[i], &found.vertices[i - low]);
-            of_y.vertices[i] = found.vertices[i - low];
-        }
-        clear_edges(y, low, high);
-        if found.kind == mutation_kind::WALK {
-            return Moved::Walk;
+        let (target, from) = (self.cut(self.target), &segment.jacobian);
+        let found = jump(tracer.view, &segment.vertices, from, &target, &options);
+        if found.kind != mutation_kind::JUMP {
+            return None;
         }
         counts.jumps += 1;
+        self.set_vertices(tracer, x, (y, of_y), &found.vertices);
         let mut back = HalfVectors::new();
         back.extend(self.back.iter().copied());
-        back[inner].copy_from_slice(&found.reverse_target[1..high - low]);
+        back[inner].copy_from_slice(&found.reverse_target[1..self.high - self.low]);
         // Densities per area of vertices over those per half vectors, the reverse step over the forward step; what the paths carry is per
         // half vectors too.
-        let per_area = |j: &ChainJacobian<N>| density_factor(j);
-        let carried = per_area(&found.jacobian).over(per_area(from));
-        let factor = found.reverse_factor.over(found.forward_factor);
-        Moved::Jump {
-            back,
-            factor: carried.product(factor),
-        }
+        let carried = density_factor(&found.jacobian).over(density_factor(from));
+        let factor = carried.product(found.reverse_factor.over(found.forward_factor));
+        Some(Moved {
+            way_back: WayBack::Jump { found, options },
+            jump: Some(Jump { back, factor }),
+        })
     }
 
-    /// Finds the vertices of `y` between the ends, of which one is not that of `x`; returns whether there are such. What moves
-    /// stands in the chain of `y` then, too.
+    /// Finds the vertices of `y` between the ends, of which one is not that of `x`, if there are such. What moves stands in the
+    /// chain of `y` then, too.
     #[allow(clippy::too_many_arguments)]
     pub fn close<T: Traverse, const N: usize>(
         &self,
@@ -165,8 +141,7 @@ impl Closing<'_> {
         moved: Option<ClosingEnd>,
         form: u32,
         counts: &mut WalkCounts,
-    ) -> bool {
-        let tables = &tracer.view.tables;
+    ) -> Option<WayBack<N>> {
         let (low, high) = (self.low, self.high);
         let moved_end = moved.map(|end| match end {
             ClosingEnd::Low => low,
@@ -176,40 +151,87 @@ impl Closing<'_> {
             of_y.vertices[i] = end_of(tracer, y, i, chain.vertices[i].reference);
         }
         if high == low + 1 {
-            return join(tracer, y, low);
+            return join(tracer, y, low).then_some(WayBack::Edge);
         }
-        let Some(segment) = segment else {
-            return false;
-        };
         let options = self.options(tracer, x, chain, form);
-        let end = moved.map(|end| match end {
+        let moved = moved.map(|end| match end {
             ClosingEnd::Low => MovedEnd::Low(of_y.vertices[low]),
             ClosingEnd::High => MovedEnd::High(of_y.vertices[high]),
         });
-        let cut = |all: &[Vec2]| {
-            let mut out = [Vec2::ZERO; N];
-            out[1..high - low].copy_from_slice(&all[low + 1..high]);
-            out
-        };
         let found = reconnect(
             tracer.view,
-            segment,
-            end,
-            [&cut(self.target), &cut(self.back)],
+            segment?,
+            moved,
+            &self.cut(self.target),
             self.method,
             &options,
             counts,
-        );
-        let Some(found) = found else {
-            return false;
-        };
-        for i in low + 1..high {
-            y.vertices[i].event = x.vertices[i].event;
-            set_vertex(tables, &mut y.vertices[i], &found[i - low]);
-            of_y.vertices[i] = found[i - low];
+        )?;
+        self.set_vertices(tracer, x, (y, of_y), &found);
+        Some(WayBack::Walk {
+            found,
+            moved,
+            options,
+        })
+    }
+
+    /// Whether the reverse mutation leads from `y` back to `x`, of which the segments are given.
+    pub fn leads_back<T: Traverse, const N: usize>(
+        &self,
+        tracer: &Tracer<'_, T>,
+        [segment, of_y]: [&Segment<N>; 2],
+        way_back: &mut WayBack<N>,
+        counts: &mut WalkCounts,
+    ) -> bool {
+        match way_back {
+            WayBack::Edge => true,
+            WayBack::Walk {
+                found,
+                moved,
+                options,
+            } => leads_back(
+                tracer.view,
+                segment,
+                *moved,
+                found,
+                Some(&of_y.jacobian),
+                &self.cut(self.back),
+                self.method,
+                options,
+                counts,
+            ),
+            WayBack::Jump { found, options } => {
+                test_way_back(tracer.view, &segment.vertices, options, found);
+                found.kind == mutation_kind::JUMP
+            }
         }
-        clear_edges(y, low, high);
-        true
+    }
+
+    /// Half vectors of the inner vertices.
+    fn cut<const N: usize>(&self, all: &[Vec2]) -> [Vec2; N] {
+        let mut out = [Vec2::ZERO; N];
+        out[1..self.high - self.low].copy_from_slice(&all[self.low + 1..self.high]);
+        out
+    }
+
+    /// Puts what was found into the path and its chain.
+    fn set_vertices<T: Traverse, const N: usize>(
+        &self,
+        tracer: &Tracer<'_, T>,
+        x: &ChainPath,
+        (y, of_y): (&mut ChainPath, &mut PathChain),
+        found: &[ChainVertex; N],
+    ) {
+        for i in self.low + 1..self.high {
+            y.vertices[i].event = x.vertices[i].event;
+            set_vertex(
+                &tracer.view.tables,
+                &mut y.vertices[i],
+                &found[i - self.low],
+            );
+            of_y.vertices[i] = found[i - self.low];
+        }
+        clear_edges(y, self.low, self.high);
     }
 
     /// Limits of its walks.
@@ -228,20 +250,43 @@ impl Closing<'_> {
     }
 }
 
-/// What has become of a part of a path between ends that stay.
+/// How a new path leads back to the old one. That it does is to be shown at last.
 #[allow(clippy::large_enum_variant)] // On the stack, for as long as a proposal is looked at; there is no heap here.
-pub enum Moved {
-    /// There is no new path.
-    Nowhere,
-    /// A reversible walk has led to the new path.
-    Walk,
-    /// A jump.
-    Jump {
-        /// Half vectors that lead back, of all vertices of the path.
-        back: HalfVectors,
-        /// What the ratio of the acceptance gets in addition to that of a walk with those half vectors.
-        factor: Scaled,
+pub enum WayBack<const N: usize> {
+    /// By an edge that was connected.
+    Edge,
+    /// By a walk.
+    Walk {
+        /// The vertices from which it starts.
+        found: [ChainVertex; N],
+        /// The end that has moved.
+        moved: Option<MovedEnd>,
+        /// Limits.
+        options: WalkOptions,
     },
+    /// By a jump, where a walk fails.
+    Jump {
+        /// The jump that has led here.
+        found: Mutation<N>,
+        /// Limits of the walk.
+        options: WalkOptions,
+    },
+}
+
+/// A new path between ends that stay.
+pub struct Moved<const N: usize> {
+    /// How it leads back.
+    pub way_back: WayBack<N>,
+    /// Set if a jump has led there.
+    pub jump: Option<Jump>,
+}
+
+/// What a jump does to the ratio of the acceptance.
+pub struct Jump {
+    /// Half vectors that lead back, of all vertices of the path.
+    pub back: HalfVectors,
+    /// What the ratio gets in addition to that of a walk with those half vectors.
+    pub factor: Scaled,
 }
 
 /// Which end has moved.

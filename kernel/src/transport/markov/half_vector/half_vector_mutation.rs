@@ -22,7 +22,7 @@
 
 use super::super::algorithm::WalkCounts;
 use super::super::veach::{ChainPath, MAX_VERTICES};
-use super::closing::{Closing, ClosingEnd, HalfVectors, Moved, held, with_capacity};
+use super::closing::{Closing, ClosingEnd, HalfVectors, WayBack, held, with_capacity};
 use super::manifold_perturbation::moved_film;
 use super::measure::{segment_factor, towards_light};
 use super::path_chain::{ChainPair, PathChain, Scattering};
@@ -30,6 +30,7 @@ use super::reconnection::{Method, Segment};
 use super::settings::HalfVectorSettings;
 use super::steps::{Steps, free_step, segment_steps};
 use super::tracing::{trace_from_sensor, walked};
+use super::verdict::Verdict;
 use crate::bsdf::Bsdf;
 use crate::manifold::breakup::{choose, probabilities_b, probabilities_c};
 use crate::manifold::step_size::IMAGE_FRACTION;
@@ -78,7 +79,8 @@ impl Breakup {
     }
 }
 
-/// Makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
+/// Makes `y` of `x`, which `accepts` tells whether to accept with the ratio f(y) T(y -> x) / (f(x) T(x -> y)).
+#[allow(clippy::too_many_arguments)]
 pub fn propose<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
     x: &ChainPath,
@@ -88,13 +90,14 @@ pub fn propose<T: Traverse, S: Sampler>(
     bsdf: &mut Bsdf,
     sampler: &mut S,
     counts: &mut WalkCounts,
-) -> f32 {
+    accepts: impl Fn(&ChainPath, f32) -> bool,
+) -> Verdict {
     let tables = &tracer.view.tables;
     let k = x.edges();
     let reference = warp::square_to_uniform_sphere(sampler.next_2d());
     let u = [sampler.next_1d(), sampler.next_1d()];
     if k < 2 {
-        return 0.0;
+        return Verdict::DARK;
     }
     let (chain, of_y) = chains.begin(tables, x, reference, settings.roughness, bsdf);
     let parts = if settings.is_original {
@@ -102,8 +105,8 @@ pub fn propose<T: Traverse, S: Sampler>(
     } else {
         Breakup::sample(chain, u)
     };
-    let Some(h) = held(x, chain, settings.form) else {
-        return 0.0;
+    let Some(h) = held(x, chain, parts.c, settings.form) else {
+        return Verdict::DARK;
     };
     let go = Mutation {
         tracer,
@@ -114,20 +117,20 @@ pub fn propose<T: Traverse, S: Sampler>(
         settings,
         reference,
     };
-    let ratio = with_capacity!(parts.b - parts.c + 1, N => {
-        go.propose::<S, N>((y, of_y), bsdf, sampler, counts)
+    let verdict = with_capacity!(parts.b - parts.c + 1, N => {
+        go.propose::<S, N>((y, of_y), bsdf, sampler, counts, accepts)
     });
-    if ratio > 0.0 {
+    if verdict.is_accepted {
         chains.proposed(settings.roughness);
     }
-    ratio
+    verdict
 }
 
 struct Mutation<'a, T: Traverse> {
     tracer: &'a Tracer<'a, T>,
     x: &'a ChainPath,
     chain: &'a PathChain,
-    /// Half vectors of x.
+    /// Half vectors of x behind c.
     h: &'a HalfVectors,
     parts: Breakup,
     settings: &'a HalfVectorSettings,
@@ -141,7 +144,8 @@ impl<T: Traverse> Mutation<'_, T> {
         bsdf: &mut Bsdf,
         sampler: &mut S,
         counts: &mut WalkCounts,
-    ) -> f32 {
+        accepts: impl Fn(&ChainPath, f32) -> bool,
+    ) -> Verdict {
         let (tracer, x, chain) = (self.tracer, self.x, self.chain);
         let tables = &tracer.view.tables;
         let (k, form) = (x.edges(), self.settings.form);
@@ -149,14 +153,14 @@ impl<T: Traverse> Mutation<'_, T> {
         let segment = if b > 0 {
             match Segment::<N>::new(chain, c, b, form) {
                 Some(segment) => Some(segment),
-                None => return 0.0,
+                None => return Verdict::DARK,
             }
         } else {
             None
         };
         let mut steps = Steps::new();
-        if !self.steps(x, chain, segment.as_ref(), &mut steps) {
-            return 0.0;
+        if !self.steps(x, chain, self.h, segment.as_ref(), &mut steps) {
+            return Verdict::DARK;
         }
         // The new half vectors of all vertices that take steps.
         let mut target = self.h.clone();
@@ -167,76 +171,79 @@ impl<T: Traverse> Mutation<'_, T> {
         }
         // Half vectors that lead back, and what a jump adds to the ratio.
         let (mut back, mut jump) = (self.h.clone(), Scaled::ONE);
+        let mut way_back = WayBack::<N>::Edge;
         y.clone_from(x);
         if b < k && !self.move_sensor_part(y, &target, bsdf, sampler) {
-            return 0.0;
+            return Verdict::DARK;
         }
-        if b > 0 {
-            let closing = Closing {
-                low: c,
-                high: b,
-                target: &target,
-                back: self.h,
-                method: Method::HalfVectors,
-                start: self.settings.start,
-            };
-            let is_found = match segment.as_ref() {
-                Some(segment) if b == k && b > c + 1 => {
-                    match closing.move_or_jump(tracer, x, chain, segment, (y, of_y), form, counts) {
-                        Moved::Nowhere => false,
-                        Moved::Walk => true,
-                        Moved::Jump { back: h, factor } => {
-                            (back, jump) = (h, factor);
-                            true
-                        }
-                    }
+        let closing = Closing {
+            low: c,
+            high: b,
+            target: &target,
+            back: self.h,
+            method: Method::HalfVectors,
+            start: self.settings.start,
+        };
+        match segment.as_ref() {
+            Some(segment) if b == k && b > c + 1 => {
+                let pair = (&mut *y, &mut *of_y);
+                let moved = closing.move_or_jump(tracer, x, chain, segment, pair, form, counts);
+                let Some(moved) = moved else {
+                    return Verdict::DARK;
+                };
+                way_back = moved.way_back;
+                if let Some(found) = moved.jump {
+                    (back, jump) = (found.back, found.factor);
                 }
-                _ => {
-                    let end = (b < k).then_some(ClosingEnd::High);
-                    let segment = segment.as_ref();
-                    closing.close(tracer, x, chain, segment, (y, of_y), end, form, counts)
-                }
-            };
-            if !is_found {
-                return 0.0;
             }
+            Some(segment) => {
+                let end = (b < k).then_some(ClosingEnd::High);
+                let pair = (&mut *y, &mut *of_y);
+                match closing.close(tracer, x, chain, Some(segment), pair, end, form, counts) {
+                    Some(found) => way_back = found,
+                    None => return Verdict::DARK,
+                }
+            }
+            None => {}
         }
         let mut scattering = [Scattering::NONE; MAX_VERTICES];
         let roughness = self.settings.roughness;
-        let is_lit = tracer.evaluate_and(y, bsdf, |path, i, directions, bsdf| {
+        // Vertices before c are those of x with their directions.
+        let first = c.max(1);
+        let is_lit = tracer.evaluate_and(y, first, bsdf, |path, i, directions, bsdf| {
             let vertex = &path.vertices[i];
             scattering[i] = Scattering::new(tables, vertex, directions, roughness, bsdf);
         });
         if !is_lit {
-            return 0.0;
+            return Verdict::DARK;
         }
         let is_delta_changed = b == 0 && y.is_infinite(tables) != x.is_infinite(tables);
         if is_delta_changed || !self.is_repeatable(y) {
-            return 0.0;
+            return Verdict::DARK;
         }
         // What the walk has found, and the end where it began; what was traced before.
         let known = c + 1..if b < k { b + 1 } else { b };
         let traced = b + 1..k;
-        let moved = [known, traced];
+        let moved = [0..first, known, traced];
         of_y.follow(tables, y, chain, self.reference, &scattering, moved);
         let of_y = &*of_y;
         if !of_y.has_kinds_of(chain, 1, k - 1) {
-            return 0.0;
+            return Verdict::DARK;
         }
         let segment_of_y = if b > 0 {
             match Segment::<N>::new(of_y, c, b, form) {
                 Some(segment) => Some(segment),
-                None => return 0.0,
+                None => return Verdict::DARK,
             }
         } else {
             None
         };
+        let Some(h_of_y) = held(y, of_y, c, form) else {
+            return Verdict::DARK;
+        };
         let mut steps_of_y = Steps::new();
-        if !self.steps(y, of_y, segment_of_y.as_ref(), &mut steps_of_y) {
-            return 0.0;
-        }
-        if held(y, of_y, form).is_none() {
-            return 0.0;
+        if !self.steps(y, of_y, &h_of_y, segment_of_y.as_ref(), &mut steps_of_y) {
+            return Verdict::DARK;
         }
         let mut ln_densities = 0.0;
         for (i, (of_x, of_y)) in steps.iter().zip(&steps_of_y).enumerate() {
@@ -249,14 +256,16 @@ impl<T: Traverse> Mutation<'_, T> {
         } else {
             self.parts.probability(of_y) / self.parts.probability(chain)
         };
+
         let there = self.target(y, of_y, segment_of_y.as_ref());
         let here = self.target(x, chain, segment.as_ref());
         let ratio = there.over(here).product(jump).value() * exp(ln_densities) * choice;
-        if ratio > 0.0 && ratio <= f32::MAX {
-            ratio
-        } else {
-            0.0
-        }
+        Verdict::of(ratio, y, accepts, || match (&segment, &segment_of_y) {
+            (Some(of_x), Some(of_y)) => {
+                closing.leads_back(tracer, [of_x, of_y], &mut way_back, counts)
+            }
+            _ => true,
+        })
     }
 
     /// The steps of all vertices between the sensor and b, and between b and c; returns whether all are finite.
@@ -264,6 +273,7 @@ impl<T: Traverse> Mutation<'_, T> {
         &self,
         path: &ChainPath,
         chain: &PathChain,
+        h: &HalfVectors,
         segment: Option<&Segment<N>>,
         steps: &mut Steps,
     ) -> bool {
@@ -271,14 +281,7 @@ impl<T: Traverse> Mutation<'_, T> {
         let Breakup { b, c } = self.parts;
         for i in 0..=k {
             let follows = i > b && i < k && path.vertices[i].is_smooth();
-            steps.push(if follows {
-                let Some(h) = chain.half_vector(i, self.settings.form) else {
-                    return false;
-                };
-                Some(free_step(&chain.vertices[i], h, self.settings))
-            } else {
-                None
-            });
+            steps.push(follows.then(|| free_step(&chain.vertices[i], h[i], self.settings)));
         }
         let Some(segment) = segment else {
             return true;

@@ -20,7 +20,7 @@
 
 use super::super::algorithm::WalkCounts;
 use super::super::veach::{ChainPath, MAX_VERTICES};
-use super::closing::{Closing, ClosingEnd, held, with_capacity};
+use super::closing::{Closing, ClosingEnd, WayBack, held, with_capacity};
 use super::direction_lobe::{DirectionLobe, gaussian};
 use super::measure::{segment_factor, towards_light, vertex_factor};
 use super::path_chain::{ChainPair, PathChain, Scattering};
@@ -28,6 +28,7 @@ use super::plan::{Plan, choose, p_rough, plans};
 use super::reconnection::{Method, Segment};
 use super::settings::{HalfVectorSettings, roughness_kind};
 use super::tracing::{trace_from_light, trace_from_sensor, walked};
+use super::verdict::Verdict;
 use crate::bsdf::Bsdf;
 use crate::manifold::half_vector_form;
 use crate::manifold::walk::walk_start;
@@ -106,7 +107,8 @@ fn target<T: Traverse, const N: usize>(
     }
 }
 
-/// Makes `y` of `x`; returns f(y) T(y -> x) / (f(x) T(x -> y)), zero for no path.
+/// Makes `y` of `x`, which `accepts` tells whether to accept with the ratio f(y) T(y -> x) / (f(x) T(x -> y)).
+#[allow(clippy::too_many_arguments)]
 pub fn propose<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
     x: &ChainPath,
@@ -116,13 +118,14 @@ pub fn propose<T: Traverse, S: Sampler>(
     bsdf: &mut Bsdf,
     sampler: &mut S,
     counts: &mut WalkCounts,
-) -> f32 {
+    accepts: impl Fn(&ChainPath, f32) -> bool,
+) -> Verdict {
     let tables = &tracer.view.tables;
     let k = x.edges();
     let reference = warp::square_to_uniform_sphere(sampler.next_2d());
     let (u_plan, u_turn) = (sampler.next_1d(), sampler.next_2d());
     if k < 2 {
-        return 0.0;
+        return Verdict::DARK;
     }
     let (chain, of_y) = chains.begin(tables, x, reference, ROUGHNESS, bsdf);
     let mut rough = [false; MAX_VERTICES];
@@ -136,7 +139,7 @@ pub fn propose<T: Traverse, S: Sampler>(
         plans.retain(|plan| plan.is_from_sensor() == from_sensor);
     }
     if plans.is_empty() {
-        return 0.0;
+        return Verdict::DARK;
     }
     let plan = choose(&plans, k, u_plan);
     let len = plan.c.map_or(0, |c| plan.b.abs_diff(c) + 1);
@@ -149,13 +152,13 @@ pub fn propose<T: Traverse, S: Sampler>(
         lambda: settings.lambda,
         reference,
     };
-    let ratio = with_capacity!(len, N => {
-        go.propose::<S, N>((y, of_y), u_turn, bsdf, sampler, counts)
+    let verdict = with_capacity!(len, N => {
+        go.propose::<S, N>((y, of_y), u_turn, bsdf, sampler, counts, accepts)
     });
-    if ratio > 0.0 {
+    if verdict.is_accepted {
         chains.proposed(ROUGHNESS);
     }
-    ratio
+    verdict
 }
 
 struct Perturbation<'a, T: Traverse> {
@@ -176,24 +179,25 @@ impl<T: Traverse> Perturbation<'_, T> {
         bsdf: &mut Bsdf,
         sampler: &mut S,
         counts: &mut WalkCounts,
-    ) -> f32 {
+        accepts: impl Fn(&ChainPath, f32) -> bool,
+    ) -> Verdict {
         let (tracer, x, chain, plan) = (self.tracer, self.x, self.chain, &self.plan);
         let tables = &tracer.view.tables;
         let k = x.edges();
-        let Some(h) = held(x, chain, FORM) else {
-            return 0.0;
+        let Some(h) = held(x, chain, 0, FORM) else {
+            return Verdict::DARK;
         };
         let ends = plan.c.map(|c| [plan.b.min(c), plan.b.max(c)]);
         let segment = match ends {
             Some([low, high]) => match Segment::<N>::new(chain, low, high, FORM) {
                 Some(segment) => Some(segment),
-                None => return 0.0,
+                None => return Verdict::DARK,
             },
             None => None,
         };
         y.clone_from(x);
         let Some((ray, ln_there)) = self.perturb_direction(y, u) else {
-            return 0.0;
+            return Verdict::DARK;
         };
         let is_traced = if plan.is_from_sensor() {
             let keep = |j: usize, _: &mut S| Some(h[j]);
@@ -204,42 +208,38 @@ impl<T: Traverse> Perturbation<'_, T> {
             trace_from_light(tracer, x, chain, y, ray, span, FORM, bsdf, sampler)
         };
         if !is_traced {
-            return 0.0;
+            return Verdict::DARK;
         }
-        if let Some([low, high]) = ends {
-            let closing = Closing {
-                low,
-                high,
-                target: &h,
-                back: &h,
-                method: Method::Exploration,
-                start: walk_start::CHOSEN,
-            };
+        let [low, high] = ends.unwrap_or([0, 0]);
+        let closing = Closing {
+            low,
+            high,
+            target: &h,
+            back: &h,
+            method: Method::Exploration,
+            start: walk_start::CHOSEN,
+        };
+        let mut way_back = WayBack::<N>::Edge;
+        if let Some(segment) = &segment {
             let end = if plan.is_from_sensor() {
                 ClosingEnd::High
             } else {
                 ClosingEnd::Low
             };
-            if !closing.close(
-                tracer,
-                x,
-                chain,
-                segment.as_ref(),
-                (y, of_y),
-                Some(end),
-                FORM,
-                counts,
-            ) {
-                return 0.0;
+            let pair = (&mut *y, &mut *of_y);
+            let moved = Some(end);
+            match closing.close(tracer, x, chain, Some(segment), pair, moved, FORM, counts) {
+                Some(found) => way_back = found,
+                None => return Verdict::DARK,
             }
         }
         let mut scattering = [Scattering::NONE; MAX_VERTICES];
-        let is_lit = tracer.evaluate_and(y, bsdf, |path, i, directions, bsdf| {
+        let is_lit = tracer.evaluate_and(y, 1, bsdf, |path, i, directions, bsdf| {
             let vertex = &path.vertices[i];
             scattering[i] = Scattering::new(tables, vertex, directions, ROUGHNESS, bsdf);
         });
         if !is_lit {
-            return 0.0;
+            return Verdict::DARK;
         }
         // What the walk has found, and the end where it began; what was traced before.
         let (from, to) = (plan.a.min(plan.b), plan.a.max(plan.b));
@@ -248,17 +248,17 @@ impl<T: Traverse> Perturbation<'_, T> {
             Some(c) => plan.b..c,
             None => 0..0,
         };
-        let moved = [known, from + 1..to];
+        let moved = [0..1, known, from + 1..to];
         of_y.follow(tables, y, chain, self.reference, &scattering, moved);
         let of_y = &*of_y;
         let has_other_plans = y.is_infinite(tables) != x.is_infinite(tables);
         if has_other_plans || !of_y.has_kinds_of(chain, 1, k - 1) || !self.is_repeatable(y) {
-            return 0.0;
+            return Verdict::DARK;
         }
         let segment_of_y = match ends {
             Some([low, high]) => match Segment::<N>::new(of_y, low, high, FORM) {
                 Some(segment) => Some(segment),
-                None => return 0.0,
+                None => return Verdict::DARK,
             },
             None => None,
         };
@@ -267,11 +267,12 @@ impl<T: Traverse> Perturbation<'_, T> {
         let ln_back = self.ln_back(y);
         let classes = ln_p_classes(of_y, self.rough) - ln_p_classes(chain, self.rough);
         let ratio = there.over(here).value() * exp(classes + ln_back - ln_there);
-        if ratio > 0.0 && ratio <= f32::MAX {
-            ratio
-        } else {
-            0.0
-        }
+        Verdict::of(ratio, y, accepts, || match (&segment, &segment_of_y) {
+            (Some(of_x), Some(of_y)) => {
+                closing.leads_back(tracer, [of_x, of_y], &mut way_back, counts)
+            }
+            _ => true,
+        })
     }
 
     /// The first ray of the new path, and the logarithm of its density.

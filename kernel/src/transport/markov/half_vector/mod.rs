@@ -7,6 +7,7 @@
 //! - [`reconnection`], [`closing`]: walks between an end that has moved and one that stays;
 //! - [`tracing`]: ends that move before;
 //! - [`steps`]: steps of half vectors;
+//! - [`verdict`]: acceptance, with the walk back at last;
 //! - [`half_vector_mutation`]: half-vector space light transport, original and improved;
 //! - [`manifold_perturbation`]: manifold exploration; [`plan`], [`direction_lobe`]: its choice of vertices, and of directions.
 
@@ -21,5 +22,6 @@ pub mod reconnection;
 pub mod settings;
 pub mod steps;
 pub mod tracing;
+pub mod verdict;
 
 pub use settings::HalfVectorSettings;

@@ -59,8 +59,8 @@ impl PathChain {
         }
     }
 
-    /// Becomes the chain of `path`, of which those vertices of a range are here already: vertices in `looked_up` are looked up
-    /// again, all others are where they were in `old`.
+    /// Becomes the chain of `path`: vertices in `kept` are those of `old`, of those in `known` all but the scattering is here already,
+    /// vertices in `looked_up` are looked up again, and all others are where they were in `old`.
     pub fn follow(
         &mut self,
         tables: &Tables<'_>,
@@ -68,11 +68,15 @@ impl PathChain {
         old: &PathChain,
         reference: Vec3,
         scattering: &[Scattering; MAX_VERTICES],
-        [known, looked_up]: [Range<usize>; 2],
+        [kept, known, looked_up]: [Range<usize>; 3],
     ) {
         let k = path.edges();
         self.len = k + 1;
         for i in 1..k {
+            if kept.contains(&i) {
+                self.vertices[i] = old.vertices[i];
+                continue;
+            }
             let mut vertex = if known.contains(&i) {
                 self.vertices[i]
             } else if looked_up.contains(&i) {

@@ -13,7 +13,7 @@ use crate::manifold::half_vector::{
     half_vector_of_projected, half_vector_of_slope, reflect, refract,
 };
 use crate::manifold::vertex::vertex_kind;
-use crate::math::{Ray, float};
+use crate::math::{Frame, Ray, float};
 use crate::path::full_path::vertex::Vertex;
 use crate::path::retarget::flow;
 use crate::path::tracer::Tracer;
@@ -31,8 +31,7 @@ pub fn scatter_at(
     h: Vec2,
     form: u32,
 ) -> Option<Ray> {
-    let here = ChainVertex::from_surface_with(&vertex.point, x.reference);
-    let frame = here.frame();
+    let frame = Frame::from_normal_tangent(vertex.point.frame.n, x.reference);
     let direction = if x.kind == vertex_kind::INDEX_MATCHED {
         // Components across the normal that add up to h.
         let across = frame.s * (h.x - frame.s.dot(back)) + frame.t * (h.y - frame.t.dot(back));

@@ -60,15 +60,17 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
         weights
     }
 
-    /// Proposes a mutation of `kind` and returns the probability of its acceptance.
+    /// Proposes a mutation of `kind` and returns the probability of its acceptance; where that takes a walk back, one or zero as the
+    /// number `u_accept` has decided. Second whether it carries light.
     fn propose(
         &self,
         kind: usize,
         allowed: &[f32; mutation::COUNT],
         chain: &mut VeachChain,
+        u_accept: f32,
         sampler: &mut FreshSamples,
         bsdf: &mut Bsdf,
-    ) -> f32 {
+    ) -> (f32, bool) {
         let [first, second] = &mut chain.paths;
         let (x, y) = if chain.current == 0 {
             (&*first, second)
@@ -79,16 +81,18 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
         let chains = &mut chain.half_vectors;
         chains.forget_proposed();
         let tracer = &self.tracer;
+        let probability = |y: &ChainPath, ratio: f32| self.acceptance(x, y, kind, allowed, ratio);
+        let accepts = |y: &ChainPath, ratio: f32| u_accept < probability(y, ratio);
         let ratio = match kind {
             mutation::BIDIRECTIONAL => {
                 let change = Change::choose(x.edges(), self.limits, sampler);
                 if !bidirectional::propose(tracer, x, &change, y, bsdf, sampler) {
-                    return 0.0;
+                    return (0.0, false);
                 }
                 let back = change.reverse();
                 let density = change.density(tracer, y, x.edges(), self.limits);
                 if !(density > 0.0) {
-                    return 0.0;
+                    return (0.0, false);
                 }
                 back.density(tracer, x, y.edges(), self.limits) / density
             }
@@ -96,16 +100,35 @@ impl<T: Traverse + Sync> VeachChains<'_, T> {
                 Some(moved) => propose_from_light(tracer, x, moved, y, bsdf, sampler),
                 None => 0.0,
             },
-            mutation::MANIFOLD => {
+            mutation::MANIFOLD | mutation::HALF_VECTOR => {
                 let settings = &self.half_vectors;
-                manifold_perturbation::propose(tracer, x, y, settings, chains, bsdf, sampler, walks)
-            }
-            mutation::HALF_VECTOR => {
-                let settings = &self.half_vectors;
-                half_vector_mutation::propose(tracer, x, y, settings, chains, bsdf, sampler, walks)
+                let verdict = if kind == mutation::MANIFOLD {
+                    manifold_perturbation::propose(
+                        tracer, x, y, settings, chains, bsdf, sampler, walks, accepts,
+                    )
+                } else {
+                    half_vector_mutation::propose(
+                        tracer, x, y, settings, chains, bsdf, sampler, walks, accepts,
+                    )
+                };
+                let accepted = if verdict.is_accepted { 1.0 } else { 0.0 };
+                return (accepted, verdict.is_lit);
             }
             _ => propose_from_sensor(tracer, x, y, bsdf, sampler),
         };
+        let acceptance = probability(y, ratio);
+        (acceptance, acceptance > 0.0)
+    }
+
+    /// Probability of accepting `y` after `x` for a ratio of their contributions and of the densities of a mutation of `kind`.
+    fn acceptance(
+        &self,
+        x: &ChainPath,
+        y: &ChainPath,
+        kind: usize,
+        allowed: &[f32; mutation::COUNT],
+        ratio: f32,
+    ) -> f32 {
         if !(ratio > 0.0 && is_countable(y) && self.is_own(y)) {
             return 0.0;
         }
@@ -214,7 +237,8 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
         }
         let before = chain.counts[kind].walks;
         chain.last.film = chain.current().film;
-        let acceptance = self.propose(kind, &allowed, chain, &mut sampler, &mut bsdf);
+        let (acceptance, is_lit) =
+            self.propose(kind, &allowed, chain, u_accept, &mut sampler, &mut bsdf);
         let walks = &mut chain.counts[kind].walks;
         let is_jump = walks.jumps > before.jumps;
         chain.last = StepRecord {
@@ -229,7 +253,7 @@ impl<T: Traverse + Sync> ChainAlgorithm for VeachChains<'_, T> {
         let of_proposed = acceptance * chain.weight;
         let counts = &mut chain.counts[kind];
         counts.proposed += 1;
-        counts.lit += u64::from(acceptance > 0.0);
+        counts.lit += u64::from(is_lit);
         if u_accept < acceptance {
             counts.accepted += 1;
             self.finish(chain, b, add);

@@ -3,7 +3,7 @@
 //! Path expressions tell diffuse from glossy scattering, but a material may do both into the same direction. Its value there
 //! is then divided exactly, f = f_D + f_G, so that the parts of an image add up to it. Discrete directions are neither.
 
-use super::{Bsdf, Lobe, lobe};
+use super::{Bsdf, Lobe, lobe, rough_plastic};
 use crate::math::Rgb;
 use crate::scene::lobe_kind;
 use glam::Vec3;
@@ -39,17 +39,17 @@ impl Bsdf {
         }
         let (mut diffuse, mut all) = (Vec3::ZERO, Vec3::ZERO);
         for i in 0..self.lobe_count() {
-            let lobe = self.lobe_at(i);
-            let value = lobe::eval_cosine(lobe, data, wi, wo) * lobe.weight;
+            let own = self.lobe_at(i);
+            let value = lobe::eval_cosine(own, data, wi, wo) * own.weight;
             all += value;
-            if lobe.kind == lobe_kind::ROUGH_PLASTIC {
+            if own.kind == lobe_kind::ROUGH_PLASTIC {
                 // Its base alone.
                 let base = Lobe {
                     specular_reflectance: Vec3::ZERO,
-                    ..*lobe
+                    ..*own
                 };
-                diffuse += lobe::eval_cosine(&base, data, wi, wo) * lobe.weight;
-            } else if is_diffuse(lobe.kind) {
+                diffuse += lobe::eval_cosine(&base, data, wi, wo) * own.weight;
+            } else if is_diffuse(own.kind) {
                 diffuse += value;
             }
         }
@@ -62,17 +62,15 @@ impl Bsdf {
 }
 
 /// [`Bsdf::diffuse_share`] of a lobe of rough plastic alone.
-pub fn of_rough_plastic(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
-    let base = Lobe {
-        specular_reflectance: Vec3::ZERO,
-        ..*lobe
-    };
-    let all = lobe::eval_cosine(lobe, data, wi, wo);
-    let diffuse = lobe::eval_cosine(&base, data, wi, wo);
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn of_rough_plastic(own: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+    let (base, coat) = rough_plastic::base_and_coat(own, data, wi, wo);
+    let all = base + coat;
     Vec3::new(
-        share(diffuse.x, all.x),
-        share(diffuse.y, all.y),
-        share(diffuse.z, all.z),
+        share(base.x, all.x),
+        share(base.y, all.y),
+        share(base.z, all.z),
     )
 }
 

@@ -21,13 +21,21 @@ use glam::{Vec2, Vec3};
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
 pub fn eval(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> Rgb {
+    let (base, coat) = base_and_coat(lobe, data, wi, wo);
+    base + coat
+}
+
+/// The part of the base in [`eval`], and that of the coating.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub fn base_and_coat(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, Rgb) {
     let transmitted = transmitted_share(lobe, data, wi.z) * transmitted_share(lobe, data, wo.z);
     let absorbed = plastic::absorption(lobe, wi.z) * plastic::absorption(lobe, wo.z);
-    let value = plastic::base(lobe) * absorbed * transmitted + coat_reflection::eval(lobe, wi, wo);
+    let base = plastic::base(lobe) * absorbed * transmitted;
     if wi.z <= 0.0 || wo.z <= 0.0 {
-        Vec3::ZERO
+        (Vec3::ZERO, Vec3::ZERO)
     } else {
-        value
+        (base, coat_reflection::eval(lobe, wi, wo))
     }
 }
 

@@ -154,6 +154,26 @@ impl PathExpressions<'_> {
         ((object << self.regions.len() as u32) + inside) * scattering::COUNT
     }
 
+    /// Whether there is but one [`PathExpressions::first_letter`], 0: no expression names an object or a region.
+    #[inline]
+    pub fn has_one_first_letter(&self) -> bool {
+        self.letters.len() == scattering::COUNT as usize
+    }
+
+    /// Whether any expression tells diffuse from glossy scattering.
+    pub fn tells_glossy(&self) -> bool {
+        let kinds = scattering::COUNT as usize;
+        let mut found = false;
+        for i in 0..self.letters.len() / kinds {
+            for side in 0..2 {
+                let kind = |kind: u32| self.letters[i * kinds + kind as usize + side];
+                found |=
+                    kind(scattering::DIFFUSE_REFLECTION) != kind(scattering::GLOSSY_REFLECTION);
+            }
+        }
+        found
+    }
+
     /// The letter of scattering of a kind at a [`PathExpressions::first_letter`].
     #[inline]
     pub fn letter(&self, first_letter: u32, kind: u32) -> u32 {

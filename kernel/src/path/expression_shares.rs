@@ -1,75 +1,65 @@
 //! What path expressions get of the light of a path: bits of the expressions that match, and shares per channel.
 //!
 //! A path belongs to several sets with a share each where a material scatters diffusely and glossily into the same direction
-//! ([`super::path_states`]). With f_D the diffuse part of the BSDF f, a walk in one state which scatters once and ends at an emitter
-//! has only two of them: f_D / f and 1 - f_D / f.
+//! ([`super::path_states`]). With f_D the diffuse part of the BSDF f, each state of a walk which scatters once and ends at an emitter
+//! has two of them: f_D / f and 1 - f_D / f.
 //!
 //! Invariant (tests): the shares of expressions that divide the paths among them sum to one, to rounding.
 
-use super::expression::{MAX_PARTS, PathExpressions, scattering};
-use super::scattered::Scattered;
+use super::expression::MAX_PARTS;
 use crate::math::Rgb;
-use crate::scene::NONE;
 use glam::Vec3;
 
-/// The expressions that a walk with one state matches where it is lit: those of diffuse scattering, or of the only kind that
-/// there is, and those of glossy scattering into the same direction.
+/// Most sets: two for each state of a walk.
+pub const MOST_MATCHES: usize = 32;
+
+/// What a walk from the sensor matches where it is lit: sets of expressions, as bits, each with its share of the light. They are kept
+/// until it is known whether the emitter is visible.
 #[derive(Clone, Copy, Debug)]
 pub struct EmitterMatches {
-    /// Whether the rest says it.
-    pub is_known: bool,
-    /// Bits of the expressions.
-    pub bits: u32,
-    /// Their share.
-    pub weight: Rgb,
-    /// Bits of those of what is glossy.
-    pub glossy_bits: u32,
-    /// Their share.
-    pub glossy_weight: Rgb,
+    count: u32,
+    entries: [(u32, Rgb); MOST_MATCHES],
 }
 
 impl EmitterMatches {
-    /// It is not known.
+    /// Nothing matches.
     pub const NONE: EmitterMatches = EmitterMatches {
-        is_known: false,
-        bits: 0,
-        weight: Vec3::ZERO,
-        glossy_bits: 0,
-        glossy_weight: Vec3::ZERO,
+        count: 0,
+        entries: [(0, Vec3::ZERO); MOST_MATCHES],
     };
 
-    /// Of a walk in a state with a weight, at a [`PathExpressions::first_letter`].
+    /// Forgets all.
     #[inline]
-    pub fn of(
-        expressions: &PathExpressions<'_>,
-        (state, weight): (u32, Rgb),
-        first_letter: u32,
-        scattered: &Scattered,
-        emitter: u32,
-    ) -> EmitterMatches {
-        let automaton = &expressions.from_sensor;
-        let last = expressions.emitters[emitter as usize];
-        let kind = scattered.kind();
-        if kind != NONE {
-            let next = automaton.after(state, expressions.letter(first_letter, kind));
-            return EmitterMatches {
-                is_known: true,
-                bits: automaton.matched_with(next, last),
-                weight,
-                glossy_bits: 0,
-                glossy_weight: Vec3::ZERO,
-            };
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Whether nothing matches.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Adds the share of the expressions whose bits are set.
+    #[inline]
+    pub fn add(&mut self, bits: u32, weight: Rgb) {
+        let i = self.count as usize;
+        if bits != 0 && weight.max_element() > 0.0 && i < MOST_MATCHES {
+            self.entries[i] = (bits, weight);
+            self.count += 1;
         }
-        let side = scattered.is_transmitted as u32;
-        let diffuse = expressions.letter(first_letter, scattering::DIFFUSE_REFLECTION + side);
-        let glossy = expressions.letter(first_letter, scattering::GLOSSY_REFLECTION + side);
-        EmitterMatches {
-            is_known: true,
-            bits: automaton.matched_with(automaton.after(state, diffuse), last),
-            weight: weight * scattered.diffuse,
-            glossy_bits: automaton.matched_with(automaton.after(state, glossy), last),
-            glossy_weight: weight * (Vec3::ONE - scattered.diffuse),
-        }
+    }
+
+    /// Number of sets.
+    #[inline]
+    pub fn len(&self) -> usize {
+        (self.count as usize).min(MOST_MATCHES)
+    }
+
+    /// Bits and share of set `i`.
+    #[inline]
+    pub fn get(&self, i: usize) -> (u32, Rgb) {
+        self.entries[i]
     }
 }
 

@@ -12,7 +12,7 @@
 
 use super::evaluation::Interaction;
 use super::expression::{Automaton, DEAD, PathExpressions, START, scattering};
-use super::expression_shares::{EmitterMatches, Shares, add_to_parts};
+use super::expression_shares::{EmitterMatches, MOST_MATCHES, Shares, add_to_parts};
 use super::scattered::Scattered;
 use crate::math::Rgb;
 use crate::scene::{NONE, SurfacePoint};
@@ -20,6 +20,8 @@ use glam::Vec3;
 
 /// Most states that a walk can be in. A front end makes sure that it is enough for its expressions.
 pub const CAPACITY: usize = 16;
+
+const _: () = assert!(MOST_MATCHES >= 2 * CAPACITY);
 
 impl Scattered {
     /// Scattering of a walk into the unit world `direction` at the end of a connection.
@@ -213,26 +215,56 @@ impl PathStates {
         }
     }
 
-    /// What expressions match a walk from the sensor which is in one state, scatters, and then ends at an emitter; nothing if
-    /// there is more to it.
+    /// All states behind a vertex at which the walk scattered by a letter.
     #[inline]
-    pub fn matched_at_emitter(
-        &self,
-        expressions: &PathExpressions<'_>,
-        first_letter: u32,
-        scattered: &Scattered,
-        emitter: u32,
-    ) -> EmitterMatches {
-        if self.count != 1 || emitter == NONE {
-            return EmitterMatches::NONE;
+    pub fn advance_by(&mut self, automaton: &Automaton<'_>, letter: u32) {
+        let count = self.count as usize;
+        self.count = 0;
+        // What is added lies in front of what is left to read.
+        for i in 0..count {
+            let (state, weight) = self.entries[i];
+            self.add(automaton.after(state, letter), weight);
         }
-        EmitterMatches::of(
-            expressions,
-            self.entries[0],
-            first_letter,
-            scattered,
-            emitter,
-        )
+    }
+
+    /// The same by two letters, with the share of the first.
+    #[inline]
+    pub fn advance_by_two(&mut self, automaton: &Automaton<'_>, letters: [u32; 2], share: Rgb) {
+        let step = |states: &mut PathStates, (state, weight): (u32, Rgb)| {
+            states.add(automaton.after(state, letters[0]), weight * share);
+            states.add(
+                automaton.after(state, letters[1]),
+                weight * (Vec3::ONE - share),
+            );
+        };
+        // Most have one state or two: no copy of the whole array.
+        if self.count <= 2 {
+            let (before, count) = ([self.entries[0], self.entries[1]], self.count as usize);
+            self.count = 0;
+            (0..count).for_each(|i| step(self, before[i]));
+        } else {
+            let before = *self;
+            self.count = 0;
+            (0..before.count as usize).for_each(|i| step(self, before.entries[i]));
+        }
+    }
+
+    /// Adds what a walk from the sensor matches that scatters by a letter, with a share, and then ends at an emitter of the letter
+    /// `last`.
+    #[inline]
+    pub fn match_emitter(
+        &self,
+        automaton: &Automaton<'_>,
+        letter: u32,
+        share: Rgb,
+        last: u32,
+        matches: &mut EmitterMatches,
+    ) {
+        for i in 0..self.count as usize {
+            let (state, weight) = self.entries[i];
+            let bits = automaton.matched_with(automaton.after(state, letter), last);
+            matches.add(bits, weight * share);
+        }
     }
 
     /// Calls `add` with bits of expressions and their share where a walk from the sensor ends at an emitter.

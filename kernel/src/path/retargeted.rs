@@ -8,13 +8,12 @@
 //!
 //! Hosts only, as edits are.
 
-use super::expression::scattering;
 use super::retarget::{Edit, MAX_EDITS, Redirection};
 use super::retarget_states::{Choice, EditStates, Edits, VertexReading, label};
-use super::scattered::Scattered;
-use crate::bsdf::{Bsdf, diffuse_share, event, lobe};
+use super::scattered::{Scattered, kinds_of_lobe};
+use crate::bsdf::Bsdf;
 use crate::math::Rgb;
-use crate::scene::{SurfacePoint, lobe_kind};
+use crate::scene::SurfacePoint;
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
@@ -126,35 +125,10 @@ fn choice(edits: &Edits<'_>, flow: u32, point: &SurfacePoint, before: Vec3, labe
     }
 }
 
-/// Kinds of scattering of a material, as bits of [`scattering`].
+/// Kinds of scattering of a material, as bits of [`super::expression::scattering`].
 fn scattering_kinds(bsdf: &Bsdf) -> u32 {
-    let mut may = 0;
-    for i in 0..bsdf.lobe_count() {
-        let kind = bsdf.lobe_at(i).kind;
-        let bits = lobe::events(kind);
-        let mut add = |first: u32| {
-            if bits & event::REFLECTION != 0 {
-                may |= 1 << first;
-            }
-            if bits & event::TRANSMISSION != 0 {
-                may |= 1 << (first + 1);
-            }
-        };
-        if kind == lobe_kind::NULL {
-            continue;
-        }
-        if bits & event::DELTA != 0 {
-            add(scattering::SPECULAR_REFLECTION);
-        }
-        let is_diffuse = diffuse_share::is_diffuse(kind);
-        if is_diffuse || kind == lobe_kind::ROUGH_PLASTIC {
-            add(scattering::DIFFUSE_REFLECTION);
-        }
-        if !is_diffuse && !lobe::is_delta(kind) {
-            add(scattering::GLOSSY_REFLECTION);
-        }
-    }
-    may
+    let lobes = 0..bsdf.lobe_count();
+    lobes.fold(0, |may, i| may | kinds_of_lobe(bsdf.lobe_at(i).kind))
 }
 
 /// What edits do at a vertex.

@@ -1,10 +1,37 @@
 //! What happens at a vertex, for expressions: a discrete event, or diffuse and glossy scattering by shares.
 
 use super::expression::scattering;
-use crate::bsdf::{Bsdf, event};
+use crate::bsdf::{Bsdf, diffuse_share, event, lobe};
 use crate::math::Rgb;
-use crate::scene::NONE;
+use crate::scene::{NONE, lobe_kind};
 use glam::Vec3;
+
+/// Kinds of scattering of a lobe, as bits of [`scattering`].
+pub fn kinds_of_lobe(kind: u32) -> u32 {
+    if kind == lobe_kind::NULL {
+        return 0;
+    }
+    let bits = lobe::events(kind);
+    let is_diffuse = diffuse_share::is_diffuse(kind);
+    let mut first = 0;
+    if bits & event::DELTA != 0 {
+        first |= 1 << scattering::SPECULAR_REFLECTION;
+    }
+    if is_diffuse || kind == lobe_kind::ROUGH_PLASTIC {
+        first |= 1 << scattering::DIFFUSE_REFLECTION;
+    }
+    if !is_diffuse && !lobe::is_delta(kind) {
+        first |= 1 << scattering::GLOSSY_REFLECTION;
+    }
+    let mut kinds = 0;
+    if bits & event::REFLECTION != 0 {
+        kinds |= first;
+    }
+    if bits & event::TRANSMISSION != 0 {
+        kinds |= first << 1;
+    }
+    kinds
+}
 
 /// What happens at a vertex, for expressions.
 #[derive(Clone, Copy, Debug)]

@@ -15,7 +15,7 @@ use super::pixel::camera_ray;
 use super::settings::IntegratorSettings;
 use crate::bsdf::Bsdf;
 use crate::math::{Ray, Rgb};
-use crate::path::expression::{DEAD, START};
+use crate::path::expression::{DEAD, START, scattering};
 use crate::path::expression_shares::EmitterMatches;
 use crate::path::{PathExpressions, PathStates, Scattered};
 use crate::sampler::Sampler;
@@ -26,7 +26,7 @@ use glam::Vec3;
 const SEVERAL: u32 = u32::MAX;
 
 /// What accompanies a path, to divide its light: little, because most walks are in one state with all of their light, and because
-/// there are many. The rest is a [`Mixture`]. Parts of the path's light are valid once they have been touched.
+/// there are many. The rest is a [`Mixture`]. Parts of the path's light begin as zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct DividedPath {
     /// Light of all paths.
@@ -37,65 +37,79 @@ pub struct DividedPath {
     lit_bits: u32,
     /// Whether it does.
     is_lit_mixed: bool,
-    /// Parts that have some light, as bits.
-    touched: u32,
 }
 
 /// What accompanies a path that is in several states.
 #[derive(Clone, Copy, Debug)]
 pub struct Mixture {
-    /// The expressions that match the emitter sample under way.
-    matched_at_emitter: EmitterMatches,
-    /// Its emitter, if that depends on more states than one: then they are in `lit`.
-    lit_emitter: u32,
     /// Of the vertices behind the walk.
     states: PathStates,
-    lit: PathStates,
+    /// What matches with the emitter sample under way.
+    lit: EmitterMatches,
 }
 
 impl Mixture {
     /// Of no path.
     pub const NONE: Mixture = Mixture {
-        matched_at_emitter: EmitterMatches::NONE,
-        lit_emitter: NONE,
         states: PathStates::DEAD,
-        lit: PathStates::DEAD,
+        lit: EmitterMatches::NONE,
     };
+}
 
-    /// [`DividedPath::sampled`] of a mixture whose walk is in `state`, if that is not [`SEVERAL`].
-    #[inline(never)]
-    fn sampled(
-        &mut self,
+/// How a vertex scatters, as the automata read it: in one way, or diffusely and glossily at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Letters {
+    first: u32,
+    /// The same if there is one way, or if no expression distinguishes both.
+    second: u32,
+    /// Share of the first.
+    share: Rgb,
+}
+
+impl Letters {
+    /// In one way.
+    #[inline(always)]
+    pub fn one(letter: u32) -> Letters {
+        Letters {
+            first: letter,
+            second: letter,
+            share: Vec3::ONE,
+        }
+    }
+
+    /// In two ways, to the same side, at a [`PathExpressions::first_letter`].
+    #[inline(always)]
+    pub fn two(
         expressions: &PathExpressions<'_>,
-        state: u32,
+        first_letter: u32,
+        side: u32,
+        diffuse: Rgb,
+    ) -> Letters {
+        Letters {
+            first: expressions.letter(first_letter, scattering::DIFFUSE_REFLECTION + side),
+            second: expressions.letter(first_letter, scattering::GLOSSY_REFLECTION + side),
+            share: diffuse,
+        }
+    }
+
+    /// At a [`PathExpressions::first_letter`].
+    #[inline]
+    pub fn of(
+        expressions: &PathExpressions<'_>,
         first_letter: u32,
         scattered: &Scattered,
-        emitter: u32,
-    ) -> bool {
-        let is_only = expressions.only != 0;
-        self.matched_at_emitter = if state == SEVERAL {
-            self.states
-                .matched_at_emitter(expressions, first_letter, scattered, emitter)
-        } else {
-            EmitterMatches::of(
-                expressions,
-                (state, Vec3::ONE),
-                first_letter,
-                scattered,
-                emitter,
-            )
-        };
-        self.lit_emitter = NONE;
-        if self.matched_at_emitter.is_known {
-            let bits = self.matched_at_emitter.bits | self.matched_at_emitter.glossy_bits;
-            return !is_only || bits != 0;
+    ) -> Letters {
+        let kind = scattered.kind();
+        if kind != NONE {
+            return Letters::one(expressions.letter(first_letter, kind));
         }
-        self.lit_emitter = emitter;
-        let automaton = &expressions.from_sensor;
-        self.lit = self.states;
-        self.lit
-            .advance_at(expressions, automaton, first_letter, scattered);
-        !is_only || !self.lit.reach_emitter(expressions, emitter).is_none()
+        let side = scattered.is_transmitted as u32;
+        Letters::two(expressions, first_letter, side, scattered.diffuse)
+    }
+
+    #[inline(always)]
+    fn is_one(&self) -> bool {
+        self.first == self.second
     }
 }
 
@@ -106,7 +120,6 @@ impl DividedPath {
         state: DEAD,
         lit_bits: 0,
         is_lit_mixed: false,
-        touched: 0,
     };
 
     /// At the sensor.
@@ -118,25 +131,13 @@ impl DividedPath {
         };
     }
 
-    /// Parts that have some light, as bits.
-    #[inline]
-    pub fn touched(&self) -> u32 {
-        self.touched
-    }
-
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, bits: u32, light: Rgb, parts: &mut [Rgb]) {
         let mut left = bits;
         while left != 0 {
-            let part = left.trailing_zeros() as usize;
+            parts[left.trailing_zeros() as usize] += light;
             left &= left - 1;
-            if self.touched >> part & 1 != 0 {
-                parts[part] += light;
-            } else {
-                parts[part] = light;
-            }
         }
-        self.touched |= bits;
     }
 
     /// The path has met light of an emitter.
@@ -165,78 +166,128 @@ impl DividedPath {
         }
     }
 
-    /// An emitter sample is scattered at a [`PathExpressions::first_letter`]; whether it counts.
-    #[inline]
-    pub fn sampled(
-        &mut self,
-        expressions: &PathExpressions<'_>,
-        mixture: &mut Mixture,
-        first_letter: u32,
-        scattered: &Scattered,
-        emitter: u32,
-    ) -> bool {
-        let kind = scattered.kind();
-        self.is_lit_mixed = self.state == SEVERAL || kind == NONE && emitter != NONE;
-        self.lit_bits = 0;
-        if self.is_lit_mixed {
-            return mixture.sampled(expressions, self.state, first_letter, scattered, emitter);
-        }
-        if emitter != NONE {
-            let automaton = &expressions.from_sensor;
-            let state = automaton.after(self.state, expressions.letter(first_letter, kind));
-            let last = expressions.emitters[emitter as usize];
-            self.lit_bits = automaton.matched_with(state, last);
-        }
+    /// Whether the path is in several states.
+    #[inline(always)]
+    pub fn is_mixed(&self) -> bool {
+        self.state == SEVERAL
+    }
+
+    /// An emitter sample is scattered by a letter where the path is in one state; whether it counts.
+    #[inline(always)]
+    pub fn lit_by(&mut self, expressions: &PathExpressions<'_>, letter: u32, emitter: u32) -> bool {
+        let automaton = &expressions.from_sensor;
+        let next = automaton.after(self.state, letter);
+        self.is_lit_mixed = false;
+        // None of a sample that nobody has asked for.
+        self.lit_bits = match expressions.emitters.get(emitter as usize) {
+            Some(last) => automaton.matched_with(next, *last),
+            None => 0,
+        };
         expressions.only == 0 || self.lit_bits != 0
     }
 
-    /// The emitter sample has turned out to give so much.
+    /// The path has scattered by a letter where it is in one state; whether it shall go on.
+    #[inline(always)]
+    pub fn scattered_by(&mut self, expressions: &PathExpressions<'_>, letter: u32) -> bool {
+        self.state = expressions.from_sensor.after(self.state, letter);
+        expressions.only == 0 || self.state != DEAD
+    }
+
+    /// An emitter sample is scattered; whether it counts.
     #[inline]
-    pub fn add_direct(
+    pub fn lit(
         &mut self,
         expressions: &PathExpressions<'_>,
-        mixture: &Mixture,
-        found: Rgb,
-        parts: &mut [Rgb],
-    ) {
-        self.whole += found;
-        if !self.is_lit_mixed {
-            self.add(self.lit_bits, found, parts);
-        } else if mixture.lit_emitter == NONE {
-            let by = &mixture.matched_at_emitter;
-            self.add(by.bits, found * by.weight, parts);
-            self.add(by.glossy_bits, found * by.glossy_weight, parts);
+        mixture: &mut Mixture,
+        letters: Letters,
+        emitter: u32,
+    ) -> bool {
+        if self.state != SEVERAL && letters.is_one() {
+            self.lit_by(expressions, letters.first, emitter)
         } else {
-            let lit = &mixture.lit;
-            lit.for_shares(expressions, mixture.lit_emitter, |bits, weight| {
-                self.add(bits, found * weight, parts);
-            });
+            self.lit_mixed(expressions, mixture, letters, emitter)
         }
     }
 
-    /// The path has scattered at a [`PathExpressions::first_letter`]; whether it shall go on.
+    #[inline(never)]
+    fn lit_mixed(
+        &mut self,
+        expressions: &PathExpressions<'_>,
+        mixture: &mut Mixture,
+        letters: Letters,
+        emitter: u32,
+    ) -> bool {
+        self.is_lit_mixed = true;
+        self.lit_bits = 0;
+        let Mixture { states, lit } = mixture;
+        lit.clear();
+        if emitter == NONE {
+            return expressions.only == 0;
+        }
+        if self.state != SEVERAL {
+            // Its states are of no account as long as it is in one.
+            states.restart(self.state);
+        }
+        let automaton = &expressions.from_sensor;
+        let last = expressions.emitters[emitter as usize];
+        let share = letters.share;
+        if letters.is_one() {
+            states.match_emitter(automaton, letters.first, Vec3::ONE, last, lit);
+        } else {
+            states.match_emitter(automaton, letters.first, share, last, lit);
+            states.match_emitter(automaton, letters.second, Vec3::ONE - share, last, lit);
+        }
+        expressions.only == 0 || !lit.is_empty()
+    }
+
+    /// The emitter sample has turned out to give so much.
+    #[inline(always)]
+    pub fn add_direct(&mut self, mixture: &Mixture, found: Rgb, parts: &mut [Rgb]) {
+        self.whole += found;
+        if !self.is_lit_mixed {
+            self.add(self.lit_bits, found, parts);
+            return;
+        }
+        for i in 0..mixture.lit.len() {
+            let (bits, weight) = mixture.lit.get(i);
+            self.add(bits, found * weight, parts);
+        }
+    }
+
+    /// The path has scattered; whether it shall go on.
     #[inline]
     pub fn scattered(
         &mut self,
         expressions: &PathExpressions<'_>,
         mixture: &mut Mixture,
-        first_letter: u32,
-        scattered: &Scattered,
+        letters: Letters,
     ) -> bool {
-        let automaton = &expressions.from_sensor;
-        let kind = scattered.kind();
-        if self.state != SEVERAL && kind != NONE {
-            self.state = automaton.after(self.state, expressions.letter(first_letter, kind));
-            return expressions.only == 0 || self.state != DEAD;
+        if self.state != SEVERAL && letters.is_one() {
+            self.scattered_by(expressions, letters.first)
+        } else {
+            self.scattered_mixed(expressions, mixture, letters)
         }
+    }
+
+    #[inline(never)]
+    fn scattered_mixed(
+        &mut self,
+        expressions: &PathExpressions<'_>,
+        mixture: &mut Mixture,
+        letters: Letters,
+    ) -> bool {
+        let states = &mut mixture.states;
         if self.state != SEVERAL {
-            mixture.states.restart(self.state);
+            states.restart(self.state);
             self.state = SEVERAL;
         }
-        mixture
-            .states
-            .advance_at(expressions, automaton, first_letter, scattered);
-        expressions.only == 0 || !mixture.states.is_dead()
+        let automaton = &expressions.from_sensor;
+        if letters.is_one() {
+            states.advance_by(automaton, letters.first);
+        } else {
+            states.advance_by_two(automaton, [letters.first, letters.second], letters.share);
+        }
+        expressions.only == 0 || !states.is_dead()
     }
 
     /// A single path has been shaded where it came along `direction`, behind `depth` edges.
@@ -271,20 +322,16 @@ impl DividedPath {
         if is_lit {
             let wo = point.frame.to_local(driver.light.direction);
             let scattered = Scattered::smooth(driver.bsdf, data, wi, wo);
-            if !self.sampled(
-                expressions,
-                mixture,
-                first_letter,
-                &scattered,
-                driver.light.emitter,
-            ) {
+            let letters = Letters::of(expressions, first_letter, &scattered);
+            if !self.lit(expressions, mixture, letters, driver.light.emitter) {
                 driver.shadow_ray = ShadowRay::NONE;
             }
         }
         if goes_on {
             let sample = &driver.sample;
             let scattered = Scattered::sampled(driver.bsdf, data, wi, sample.wo, sample.event);
-            if !self.scattered(expressions, mixture, first_letter, &scattered) {
+            let letters = Letters::of(expressions, first_letter, &scattered);
+            if !self.scattered(expressions, mixture, letters) {
                 driver.next = step::END;
             }
         }
@@ -314,7 +361,7 @@ pub fn divided_radiance<T: Traverse, S: Sampler>(
         let found = driver.path.radiance;
         driver.path.radiance = Vec3::ZERO;
         if found.max_element() > 0.0 {
-            divided.add_direct(expressions, &mixture, found, parts);
+            divided.add_direct(&mixture, found, parts);
         }
     }
     divided.whole

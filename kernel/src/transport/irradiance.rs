@@ -64,11 +64,10 @@ pub fn irradiance<T: Traverse, S: Sampler>(
         is_first = is_first && driver.path.subpath.depth == 0;
         let light = driver.path.radiance;
         driver.path.radiance = Vec3::ZERO;
-        match expressions {
-            Some(expressions) if light.max_element() > 0.0 => {
-                divided.add_direct(expressions, &mixture, light, parts);
-            }
-            _ => found += light,
+        if expressions.is_none() {
+            found += light;
+        } else if light.max_element() > 0.0 {
+            divided.add_direct(&mixture, light, parts);
         }
     }
     if count > 0 { parts[0] * PI } else { found * PI }

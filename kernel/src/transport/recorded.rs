@@ -44,7 +44,7 @@ pub struct RecordedVertex {
 }
 
 /// Follows one sample along `ray`, whose reconstruction weight is `weight`. `vertices` is storage for a path, from the sensor;
-/// `take` gets each complete path of which the first of `expressions`, if there are any, has a share, with that share of its
+/// `take` gets each complete path of which the last of `expressions`, if there are any, has a share, with that share of its
 /// light. Longer paths than fit end there.
 pub fn record_paths<T: Traverse, S: Sampler>(
     view: &SceneView<'_, T>,
@@ -70,7 +70,8 @@ pub fn record_paths<T: Traverse, S: Sampler>(
     };
     let mut count = 1;
     let mut states = expressions.map(PathStates::at_sensor);
-    let share = |shares: Option<Shares>| shares.map_or(Vec3::ONE, |shares| shares.of(0));
+    let last = expressions.map_or(0, |e| e.count.saturating_sub(1) as usize);
+    let share = |shares: Option<Shares>| shares.map_or(Vec3::ONE, |shares| shares.of(last));
     // Storage for the vertex that is sampled and for the light.
     while driver.next != step::END && count + 2 <= vertices.len() {
         let subpath = driver.path.subpath;

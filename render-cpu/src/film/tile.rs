@@ -44,12 +44,8 @@ impl PixelMut<'_> {
 
     /// Adds the parts of a sample whose whole is `radiance`, which is added by itself: they are clamped as it is, and count as
     /// black where it is not finite.
+    #[inline]
     pub fn add_parts(&mut self, radiance: Vec3, parts: &[Vec3]) {
-        self.add_some_parts(radiance, parts, u32::MAX);
-    }
-
-    /// The same of the parts alone whose bits are set.
-    pub fn add_some_parts(&mut self, radiance: Vec3, parts: &[Vec3], bits: u32) {
         let most = radiance.abs().max_element();
         let scale = if most > self.clamp {
             self.clamp / most
@@ -60,21 +56,20 @@ impl PixelMut<'_> {
             return;
         }
         let sums = &mut self.aov_sums[self.aovs.accumulators()..];
-        let keeps_squares = self.aovs.contains(Aov::Variance);
-        let per_part = self.aovs.sums_per_part();
-        let mut left = match parts.len() {
-            0 => 0,
-            count => bits & u32::MAX >> (32 - count.min(32)),
-        };
-        while left != 0 {
-            let i = left.trailing_zeros() as usize;
-            left &= left - 1;
+        let values = bytemuck::cast_slice::<Vec3, f32>(parts);
+        if !self.aovs.contains(Aov::Variance) {
+            // All of them, by vectors, even where most are zero.
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += f64::from(value * scale);
+            }
+            return;
+        }
+        let sums = sums.chunks_exact_mut(self.aovs.sums_per_part());
+        for (sums, values) in sums.zip(values.chunks_exact(3)) {
             for c in 0..3 {
-                let part = f64::from(parts[i][c] * scale);
-                sums[per_part * i + c] += part;
-                if keeps_squares {
-                    sums[per_part * i + 3 + c] += part * part;
-                }
+                let part = f64::from(values[c] * scale);
+                sums[c] += part;
+                sums[3 + c] += part * part;
             }
         }
     }

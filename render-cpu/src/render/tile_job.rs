@@ -278,12 +278,8 @@ impl<T: Traverse> TileJob<'_, T> {
                 divided.resize(SLOTS, DividedPath::NONE);
                 mixtures.resize(SLOTS, Mixture::NONE);
                 parts.resize(SLOTS * division.expressions.count as usize, Vec3::ZERO);
-                let mut division = WaveDivision {
-                    expressions: division.expressions,
-                    paths: divided,
-                    mixtures,
-                    parts,
-                };
+                let expressions = division.expressions;
+                let mut division = WaveDivision::new(expressions, divided, mixtures, parts);
                 wave.run_divided(self.simd, self.view, self.settings, &mut division)
             }
         };
@@ -304,13 +300,12 @@ impl<T: Traverse> TileJob<'_, T> {
             }
             if let Some(division) = &self.division {
                 let count = division.expressions.count as usize;
-                let run = done..done + of_run.len();
-                let parts = parts[run.start * count..run.end * count].chunks_exact(count);
-                for ((sample, divided), parts) in of_run.iter().zip(&divided[run]).zip(parts) {
-                    let bits = divided.touched() >> division.first;
-                    pixel.add_some_parts(*sample, &parts[division.first..], bits);
+                let end = done + of_run.len();
+                let parts = parts[done * count..end * count].chunks_exact(count);
+                for (sample, parts) in of_run.iter().zip(parts) {
+                    pixel.add_parts(*sample, &parts[division.first..]);
                 }
-                done += of_run.len();
+                done = end;
             }
             for sampler in samplers.by_ref().take(of_run.len()) {
                 self.add_surface(tile, [run.x, run.y], sampler);

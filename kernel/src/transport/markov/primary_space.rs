@@ -350,7 +350,7 @@ impl<'a, T: Traverse> PrimarySpace<'a, T> {
                     driver.trace_shadow_rays();
                     let found = core::mem::take(&mut driver.path.radiance);
                     if found.max_element() > 0.0 {
-                        divided.add_direct(expressions, &mixture, found, parts);
+                        divided.add_direct(&mixture, found, parts);
                     }
                 }
                 let found = Contribution {

@@ -18,7 +18,7 @@ use glam::Vec3;
 #[repr(C, align(64))]
 #[derive(Zeroable)]
 pub(super) struct SampleLanes<const N: usize> {
-    wo: Vec3Lanes<N>,
+    pub(super) wo: Vec3Lanes<N>,
     weight: Vec3Lanes<N>,
     pdf: [f32; N],
     eta: [f32; N],

@@ -41,7 +41,7 @@ pub(super) struct EmitterSampleLanes<const N: usize> {
     radiance: Vec3Lanes<N>,
     pdf: [f32; N],
     is_delta: [u32; N],
-    emitter: [u32; N],
+    pub emitter: [u32; N],
     /// One of [`class`].
     class: [u32; N],
 }

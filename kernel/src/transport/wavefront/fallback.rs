@@ -43,7 +43,7 @@ impl<const N: usize> Fallback<'_, N> {
             let (direction, depth) = (path.subpath.ray.direction, path.subpath.depth);
             shade(&mut driver);
             if let Some(division) = &mut division {
-                let expressions = division.expressions;
+                let expressions = division.expressions();
                 let (divided, mixture, parts) = division.path(self.queued.index(k));
                 divided.shaded(&expressions, mixture, &mut driver, direction, depth, parts);
             }

@@ -25,6 +25,7 @@ mod bsdf_samples;
 pub mod bsdf_variant;
 mod camera_rays;
 mod cdf_search;
+mod diffuse_shares;
 mod division;
 mod driver;
 mod emitter_samples;

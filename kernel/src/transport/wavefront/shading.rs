@@ -3,6 +3,7 @@
 use super::bsdf_samples::{self, SampleLanes};
 use super::bsdf_variant;
 use super::cdf_search::SearchLanes;
+use super::diffuse_shares::DiffuseShareLanes;
 use super::emitter_samples::{EmitterSampleLanes, References};
 use super::environment::{EnvironmentLanes, Scratch};
 use super::lobes::{self, LobeLanes};
@@ -46,6 +47,8 @@ pub(super) struct ShadingLanes<const N: usize> {
     searches: SearchLanes<N>,
     textures: TextureLanes<N>,
     gain: Vec3Lanes<N>,
+    /// Set while light is divided by path expressions.
+    pub(super) diffuse_shares: DiffuseShareLanes<N>,
 }
 
 /// A queue of a BSDF variant.

@@ -164,9 +164,10 @@ impl<const N: usize> WaveState<N> {
             });
             if let Mode::Divided(division) = mode {
                 division.shaded::<VARIANT, N>(
+                    simd,
                     tables,
                     &queued,
-                    &self.shading,
+                    &mut self.shading,
                     &mut self.next,
                     &mut self.shadow_rays,
                     &mut self.radiance,

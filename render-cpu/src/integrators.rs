@@ -2,7 +2,6 @@
 //!
 //! One table, from which scene files, the command line, comparisons and lists take what they know of an algorithm.
 
-use halflight_kernel::transport::IntegratorSettings;
 use halflight_kernel::transport::integrator_kind;
 
 /// How an algorithm's samples are driven.
@@ -219,8 +218,8 @@ pub fn divides_paths(kind: u32) -> bool {
     .contains(&kind)
 }
 
-/// Whether an algorithm renders edits of light transport.
-pub fn turns_paths(settings: &IntegratorSettings) -> bool {
+/// Whether a kind of integrator renders edits of light transport.
+pub fn turns_paths(kind: u32) -> bool {
     [
         PATH,
         BIDIRECTIONAL,
@@ -230,7 +229,7 @@ pub fn turns_paths(settings: &IntegratorSettings) -> bool {
         PRIMARY_SAMPLE_MLT,
         VEACH_MLT,
     ]
-    .contains(&settings.kind)
+    .contains(&kind)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The command `halflight`.
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, Parser, Subcommand};
 use halflight::commands::terminal::{self, Verbosity};
 use halflight::commands::{
     compare, experiment, farm, image, info, inspect, inspect_args, list, manual, material, merge,
@@ -27,7 +27,7 @@ enum Command {
     Render(render::RenderArgs),
     /// Show what a scene holds, and what of it is not supported
     Info(info::InfoArgs),
-    /// Look at the light of a scene: false colours, or the radiance around a point
+    /// Look at the light of a scene: false colours, spherical plots, paths, a volume, or all of them in a page
     Inspect(inspect_args::InspectArgs),
     /// Draw a material: a lit ball, its lobes, its albedo and its local roughness
     Material(material::MaterialArgs),
@@ -51,18 +51,24 @@ enum Command {
 
 fn main() -> ExitCode {
     processor::exit_unless_sufficient();
-    let cli: Cli = terminal::parse(with_command(std::env::args_os().collect()));
-    terminal::run(cli.verbosity, || run(cli))
+    let arguments = with_command(std::env::args_os().collect());
+    let (cli, matches): (Cli, ArgMatches) = terminal::parse_with_matches(arguments);
+    terminal::run(cli.verbosity, || run(cli, &matches))
 }
 
-fn run(cli: Cli) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
+fn run(cli: Cli, matches: &ArgMatches) -> Result<ExitCode, Box<dyn Error + Send + Sync>> {
     match cli.command {
         Command::Render(args) => match &args.sheet.strategy_sheet {
             Some(sheet) => strategy_sheet::run(&args, sheet, cli.verbosity.quiet),
             None => render::run(&args, cli.verbosity.quiet),
         },
         Command::Info(args) => info::run(&args),
-        Command::Inspect(args) => inspect::run(&args, cli.verbosity.quiet),
+        Command::Inspect(args) => {
+            if let Some((_, own)) = matches.subcommand() {
+                args.check(own)?;
+            }
+            inspect::run(&args, cli.verbosity.quiet)
+        }
         Command::Material(args) => material::run(&args, cli.verbosity.quiet),
         Command::Compare(args) => Ok(compare::run(&args)?),
         Command::Merge(args) => Ok(merge::run(&args)?),

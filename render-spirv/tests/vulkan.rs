@@ -26,7 +26,7 @@ fn scene(name: &str, integrator: &str) -> Scene {
         sampler: None,
         sensor: 0,
         edit: None,
-        edit_time: 0.0,
+        edit_time: None,
         strict: false,
     };
     args.load().expect("an example scene")

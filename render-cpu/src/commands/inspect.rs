@@ -57,6 +57,9 @@ pub fn run(args: &InspectArgs, quiet: bool) -> Result<ExitCode, Box<dyn Error + 
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
+    if is_measured {
+        args.leave_out_edits(&mut scene);
+    }
     let scale = |values: &[f64]| ColorScale::of(values, args.min, args.max, args.log);
     let mut summary = String::new();
     let (canvas, numbers) = match tool {

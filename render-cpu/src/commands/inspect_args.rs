@@ -105,17 +105,25 @@ impl InspectArgs {
     /// Where a spherical plot is taken, if that is said.
     ///
     /// # Errors
-    /// If the pixel sees no surface.
+    /// If the pixel is none of the image's, or sees no surface.
     pub(super) fn probe<T: Traverse>(
         &self,
         view: &SceneView<'_, T>,
     ) -> Result<Option<Probe>, String> {
         match (self.at, self.pixel) {
             (Some(at), _) => Ok(Some(Probe::free(Vec3::from_array(at)))),
-            (None, Some(pixel)) => match Probe::of_pixel(view, pixel) {
-                Some(probe) => Ok(Some(probe)),
-                None => Err(format!("pixel {},{} sees no surface", pixel[0], pixel[1])),
-            },
+            (None, Some([x, y])) => {
+                let [width, height] = view.tables.camera.film_size;
+                if x >= width || y >= height {
+                    return Err(format!(
+                        "--pixel: {x},{y} is not in the image of {width} x {height} pixels"
+                    ));
+                }
+                match Probe::of_pixel(view, [x, y]) {
+                    Some(probe) => Ok(Some(probe)),
+                    None => Err(format!("pixel {x},{y} sees no surface")),
+                }
+            }
             (None, None) => Ok(None),
         }
     }

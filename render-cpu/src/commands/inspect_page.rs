@@ -43,6 +43,7 @@ pub(super) fn run(
     for warning in &scene.warnings {
         tracing::warn!("{warning}");
     }
+    args.leave_out_edits(&mut scene);
     let request = PartsRequest {
         layers: Vec::new(),
         only: args.only.clone(),

@@ -14,6 +14,7 @@ mod info_cost;
 mod info_report;
 pub mod inspect;
 pub mod inspect_args;
+mod inspect_options;
 pub mod inspect_page;
 pub mod interrupt;
 pub mod list;

@@ -19,7 +19,7 @@ pub struct RecordArgs {
     /// other name as bytes. They are found by path tracing, with the seed and the number of samples of the image.
     #[arg(help_heading = "Paths", long, value_name = "PATHS")]
     pub record: Option<PathBuf>,
-    /// Record nothing but the paths that an expression matches.
+    /// Record nothing but the paths that an expression matches; with --only those that match both.
     #[arg(
         help_heading = "Paths",
         long,
@@ -42,15 +42,25 @@ impl RecordArgs {
     /// # Errors
     /// A mistake in the expression.
     pub(super) fn parts(&self, scene: &Scene) -> Result<PathParts, Box<dyn Error + Send + Sync>> {
-        if self.record.is_some() && !scene.edits.is_empty() {
+        if self.record.is_none() {
+            return Ok(PathParts::default());
+        }
+        if !scene.edits.is_empty() {
             return Err("--record writes paths as they are, without edits".into());
         }
         if let Some(window) = self.record_pixels {
             check_window(window, scene)?;
         }
-        let request = PartsRequest {
-            layers: Vec::new(),
-            only: self.record_where.clone(),
+        let only = scene.parts.request().only.clone();
+        let request = match (only, self.record_where.clone()) {
+            (Some(only), Some(text)) => PartsRequest {
+                layers: vec![("recorded".to_owned(), text)],
+                only: Some(only),
+            },
+            (only, text) => PartsRequest {
+                layers: Vec::new(),
+                only: only.or(text),
+            },
         };
         Ok(PathParts::new(
             &request,

@@ -43,9 +43,9 @@ pub struct SceneArgs {
     /// A file with edits of light transport: a scene file that holds nothing but `<edit>`s.
     #[arg(help_heading = "Paths", long, value_name = "FILE")]
     pub edit: Option<PathBuf>,
-    /// The moment at which the keyframes of edits are taken.
-    #[arg(help_heading = "Paths", long, value_name = "T", default_value_t = 0.0)]
-    pub edit_time: f64,
+    /// The moment at which the keyframes of edits are taken. Default: 0.
+    #[arg(help_heading = "Paths", long, value_name = "T", value_parser = parse_time)]
+    pub edit_time: Option<f64>,
     /// Stop at the first thing that would otherwise be a warning.
     #[arg(help_heading = "Scene", long)]
     pub strict: bool,
@@ -137,22 +137,33 @@ pub(super) fn parse_numbers<const N: usize>(
     }
 }
 
-/// Makes sure that some of the pixels X, Y, W, H of the whole image are in the image that is rendered.
+/// Makes sure that the pixels X, Y, W, H are of the whole image, and some of them in the image that is rendered.
 ///
 /// # Errors
-/// If none are.
+/// If they are not.
 pub(super) fn check_window([x, y, w, h]: [u32; 4], scene: &Scene) -> Result<(), String> {
     let camera = &scene.tables.camera;
     let ([left, top], [width, height]) = (camera.crop_offset, camera.crop_size);
     let meet = |a: u32, a_length: u32, b: u32, b_length: u32| {
         a_length > 0 && a < b + b_length && b < a.saturating_add(a_length)
     };
-    if meet(x, w, left, width) && meet(y, h, top, height) {
-        return Ok(());
+    if !meet(x, w, left, width) || !meet(y, h, top, height) {
+        return Err(format!(
+            "the pixels {x},{y},{w},{h} are not in the image, {left},{top},{width},{height}"
+        ));
     }
-    Err(format!(
-        "the pixels {x},{y},{w},{h} are not in the image, {left},{top},{width},{height}"
-    ))
+    let [columns, rows] = camera.film_size;
+    if x.saturating_add(w) > columns || y.saturating_add(h) > rows {
+        return Err(format!(
+            "the pixels {x},{y},{w},{h} reach beyond the image of {columns} x {rows} pixels"
+        ));
+    }
+    Ok(())
+}
+
+fn parse_time(text: &str) -> Result<f64, String> {
+    let time = text.parse().ok().filter(|t: &f64| t.is_finite());
+    time.ok_or_else(|| "expected a finite number".to_owned())
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

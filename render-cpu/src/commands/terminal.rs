@@ -1,7 +1,7 @@
 //! What the commands of both front ends share on a terminal: verbosity, and the report of an error.
 
 use crate::say::{Notes, note};
-use clap::{Args, Parser};
+use clap::{ArgMatches, Args, Parser};
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -21,7 +21,16 @@ pub struct Verbosity {
 
 /// Reads a command line. What follows an option may be negative, as `-1` or `-5s`: of one that cannot be, the option says so itself.
 pub fn parse<C: Parser>(arguments: Vec<OsString>) -> C {
-    C::parse_from(with_negative_values(arguments))
+    parse_with_matches(arguments).0
+}
+
+/// The same, with what it was read from, which says what was given and what is a default.
+pub fn parse_with_matches<C: Parser>(arguments: Vec<OsString>) -> (C, ArgMatches) {
+    let matches = C::command().get_matches_from(with_negative_values(arguments));
+    match C::from_arg_matches(&matches) {
+        Ok(cli) => (cli, matches),
+        Err(error) => error.format(&mut C::command()).exit(),
+    }
 }
 
 /// The arguments with `--option=-1` for `--option -1`.

@@ -4,11 +4,12 @@
 //! lies in; shapes that fit the same patterns of names are one class.
 
 use super::error::ExpressionError;
-use super::names::{SceneNames, light_kind, name, object_of_emitter, region};
+use super::names::{SceneNames, is_named, light_kind, name, object_of_emitter, region};
 use super::syntax::{Atom, NameKind, NamePattern, NameTest, VertexTest, kind};
 use halflight_kernel::path::expression::{MAX_REGIONS, Region, scattering};
-use halflight_kernel::scene::Tables;
-use std::collections::HashMap;
+use halflight_kernel::path::scattered::kinds_of_lobe;
+use halflight_kernel::scene::{NONE, Tables};
+use std::collections::{BTreeSet, HashMap};
 
 /// Most entries of the table of letters.
 const MAX_ENTRIES: usize = 1 << 16;
@@ -65,9 +66,8 @@ impl Alphabet {
         for (atom, text) in atoms {
             for test in &atom.tests {
                 for (pattern, at) in test.names.iter().flat_map(|n| &n.patterns) {
-                    if is_name(pattern) && !exists(pattern, tables, names) {
-                        let message = format!("the scene has nothing named \"{}\"", pattern.glob);
-                        return Err(ExpressionError::new(text, *at, message));
+                    if is_name(pattern) && !is_named(pattern, tables, names) {
+                        return Err(ExpressionError::new(text, *at, nothing_named(pattern)));
                     }
                     let next = references.patterns.len();
                     references.patterns.entry(pattern.clone()).or_insert(next);
@@ -172,6 +172,47 @@ impl Alphabet {
     }
 }
 
+impl Alphabet {
+    /// The letters of surface vertices that the lobes of the scene's materials allow.
+    pub fn scattered(&self, tables: &Tables<'_>) -> Vec<u32> {
+        let kinds = scattering::COUNT as usize;
+        let places = self.instance_classes as usize * (1 << self.regions.len());
+        let mut found = BTreeSet::new();
+        for (shape, class) in tables.shapes.iter().zip(&self.shapes) {
+            let Some(material) = tables.materials.get(shape.material as usize) else {
+                continue;
+            };
+            let lobes = material.first_lobe..material.first_lobe + material.lobe_count;
+            let may = lobes.fold(0, |may, lobe| {
+                let record = &tables.lobes[lobe as usize];
+                let own = kinds_of_lobe(record.kind);
+                // A perturbed frame has other sides than the surface.
+                let is_perturbed = record.frame != NONE;
+                let sides = if is_perturbed { both_sides(own) } else { own };
+                may | sides
+            });
+            let first = *class as usize * places;
+            for place in first..first + places {
+                let of_place = &self.letters[place * kinds..(place + 1) * kinds];
+                let own = of_place.iter().enumerate();
+                found.extend(
+                    own.filter(|(kind, _)| may >> kind & 1 != 0)
+                        .map(|(_, l)| *l),
+                );
+            }
+        }
+        found.into_iter().collect()
+    }
+}
+
+/// The kinds of scattering of the bits, to both sides.
+fn both_sides(kinds: u32) -> u32 {
+    let reflections = 1 << scattering::DIFFUSE_REFLECTION
+        | 1 << scattering::GLOSSY_REFLECTION
+        | 1 << scattering::SPECULAR_REFLECTION;
+    kinds | (kinds & reflections) << 1 | kinds >> 1 & reflections
+}
+
 impl References {
     fn accepts(&self, atom: &Atom, candidate: &Candidate<'_>) -> bool {
         atom.tests.iter().any(|test| self.holds(test, candidate)) != atom.is_negated
@@ -195,21 +236,23 @@ fn is_name(pattern: &NamePattern) -> bool {
     !pattern.glob.as_str().contains(['*', '?'])
 }
 
-/// Whether anything in the scene fits a pattern.
-fn exists(pattern: &NamePattern, tables: &Tables<'_>, names: &SceneNames) -> bool {
-    let is_kind = |kind| pattern.kind == NameKind::Any || pattern.kind == kind;
-    let any = |list: &[String]| {
-        list.iter()
-            .any(|n| !n.is_empty() && pattern.glob.matches(n))
+/// That nothing has a name.
+fn nothing_named(pattern: &NamePattern) -> String {
+    let glob = pattern.glob.as_str();
+    let kind = match pattern.kind {
+        NameKind::Any => "nothing",
+        NameKind::Object => "no object",
+        NameKind::Material => "no material",
+        NameKind::Emitter => "no emitter",
     };
-    let lamps = tables.emitters.iter();
-    is_kind(NameKind::Object) && (any(&names.shapes) || any(&names.instances))
-        || is_kind(NameKind::Material) && any(&names.materials)
-        || is_kind(NameKind::Emitter) && any(&names.emitters)
-        || is_kind(NameKind::Object)
-            && lamps
-                .map(|e| object_of_emitter(names, e.shape))
-                .any(|n| !n.is_empty() && pattern.glob.matches(n))
+    let known = ["object", "material", "emitter"];
+    let hint = match glob.split_once(':') {
+        Some((before, _)) if pattern.kind == NameKind::Any && !known.contains(&before) => {
+            "; before a colon stands object, material or emitter"
+        }
+        _ => "",
+    };
+    format!("the scene has {kind} named \"{glob}\"{hint}")
 }
 
 /// Numbers equal values; returns the number of each and the values by number.

@@ -4,15 +4,15 @@ use super::alphabet::Alphabet;
 use super::automaton::{Deterministic, End, Letters};
 use super::error::ExpressionError;
 use super::names::SceneNames;
-use super::parser::parse;
 use super::positions::{PositionSet, Positions};
-use super::syntax::Atom;
+use super::read::{Read, ends};
+use super::unmatched::unmatched;
 use halflight_kernel::path::expression::{
     Automaton, MAX_PARTS, PathExpressions, Region, scattering,
 };
 use halflight_kernel::path::path_states::CAPACITY;
 use halflight_kernel::scene::Tables;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 /// Most entries of the table of joins.
 const MAX_JOINS: usize = 1 << 22;
@@ -117,15 +117,16 @@ pub fn compile(
     if texts.len() > MAX_PARTS {
         return Err(too_complex(&format!("more than {MAX_PARTS} expressions")));
     }
+    let read = Read::new(texts, tables, names)?;
     let Read {
         positions,
         alphabet,
         accepted,
-    } = Read::new(texts, tables, names)?;
-    let (from_light, from_sensor) = ends(&alphabet, &accepted);
+    } = &read;
+    let (from_light, from_sensor) = ends(alphabet, accepted);
     let only = u32::from(only);
     let made = |letters: &Letters<'_>, end: End| {
-        Deterministic::new(&positions, letters, end, only)
+        Deterministic::new(positions, letters, end, only)
             .ok_or_else(|| too_complex("these expressions are too complex together"))
     };
     let mut light = made(&from_light, End::Light)?;
@@ -135,90 +136,24 @@ pub fn compile(
     if !tables.emitters.is_empty() {
         for (i, text) in texts.iter().enumerate() {
             if matchable >> i & 1 == 0 && (only == 0 || i == 0) {
-                let message = "no path of this scene can match: from the light it leads from L to E, from the camera from C to L";
-                return Err(ExpressionError::new(text, 0, message));
+                let both = [&from_light, &from_sensor];
+                return Err(unmatched(&read, i, text, both, tables, names));
             }
         }
     }
-    check_capacity(&light, &sensor, &alphabet, &from_light, &from_sensor)
+    check_capacity(&light, &sensor, alphabet, &from_light, &from_sensor)
         .map_err(|message| too_complex(&message))?;
-    let joins = joins(&positions, &light, &sensor, texts.len(), only)
+    let joins = joins(positions, &light, &sensor, texts.len(), only)
         .ok_or_else(|| too_complex("these expressions are too complex together"))?;
     let count = texts.len() as u32;
     Ok(CompiledExpressions::new(
-        count, only, alphabet, light, sensor, joins,
+        count,
+        only,
+        read.alphabet,
+        light,
+        sensor,
+        joins,
     ))
-}
-
-/// Expressions that have been read, over the letters of a scene.
-pub(super) struct Read {
-    pub positions: Positions,
-    pub alphabet: Alphabet,
-    /// By letter: the positions whose atoms accept it.
-    pub accepted: Vec<PositionSet>,
-}
-
-impl Read {
-    pub fn new(
-        texts: &[&str],
-        tables: &Tables<'_>,
-        names: &SceneNames,
-    ) -> Result<Read, ExpressionError> {
-        let mut positions = Positions::default();
-        let mut atoms: Vec<(Atom, String)> = Vec::new();
-        let mut numbers: HashMap<Atom, usize> = HashMap::new();
-        for text in texts {
-            let node = parse(text)?;
-            positions.add(text, &node, &mut |atom| {
-                *numbers.entry(atom.clone()).or_insert_with(|| {
-                    atoms.push((atom.clone(), (*text).to_owned()));
-                    atoms.len() - 1
-                })
-            })?;
-        }
-        let alphabet = Alphabet::new(&atoms, tables, names)?;
-        let accepted = (alphabet.accepted.iter())
-            .map(|by_atom| {
-                let mut set = PositionSet::empty(positions.count());
-                let reading = positions.atoms.iter().enumerate();
-                reading
-                    .filter(|(_, atom)| atom.is_some_and(|a| by_atom[a]))
-                    .for_each(|(p, _)| set.insert(p));
-                set
-            })
-            .collect();
-        Ok(Read {
-            positions,
-            alphabet,
-            accepted,
-        })
-    }
-}
-
-/// The letters as walks from the light and from the sensor read them.
-pub(super) fn ends<'a>(
-    alphabet: &Alphabet,
-    accepted: &'a [PositionSet],
-) -> (Letters<'a>, Letters<'a>) {
-    let unique = |letters: &[u32]| -> Vec<u32> {
-        let set: BTreeSet<u32> = letters.iter().copied().collect();
-        set.into_iter().collect()
-    };
-    let inner = unique(&alphabet.letters);
-    let emitters = unique(&alphabet.emitters);
-    let from_light = Letters {
-        first: emitters.clone(),
-        inner: inner.clone(),
-        last: vec![alphabet.sensor],
-        accepted,
-    };
-    let from_sensor = Letters {
-        first: vec![alphabet.sensor],
-        inner,
-        last: emitters,
-        accepted,
-    };
-    (from_light, from_sensor)
 }
 
 /// Makes sure that walks can hold all states that they can be in.

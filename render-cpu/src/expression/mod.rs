@@ -6,8 +6,10 @@
 //! | [`parser`], `vertex_parser`, [`syntax`] | both notations, and the tree that they are read into |
 //! | [`names`] | what a scene has names for |
 //! | `alphabet` | which vertices an expression tells apart |
+//! | `read` | expressions over the letters of a scene |
 //! | `positions` | the automaton of an expression's atoms |
 //! | `automaton` | deterministic automata from both ends |
+//! | `unmatched` | where an expression that no path can match goes wrong |
 //! | [`compile`](mod@compile) | all of them together |
 //! | [`selections`] | parts of paths, for edits |
 //! | [`error`] | what is wrong, and where |
@@ -24,8 +26,10 @@ pub mod names;
 pub mod parser;
 pub mod parts;
 mod positions;
+mod read;
 pub mod selections;
 pub mod syntax;
+mod unmatched;
 mod vertex_parser;
 
 pub use compile::{CompiledExpressions, compile};

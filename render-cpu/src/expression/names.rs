@@ -1,6 +1,6 @@
 //! What expressions can name in a scene.
 
-use super::syntax::light;
+use super::syntax::{NameKind, NamePattern, light};
 use halflight_kernel::path::expression::{Region, region_kind};
 use halflight_kernel::scene::{NONE, Tables, emitter_kind, quadric_kind};
 
@@ -109,4 +109,21 @@ pub(crate) fn object_of_emitter(names: &SceneNames, shape: u32) -> &str {
     } else {
         name(&names.shapes, shape as usize)
     }
+}
+
+/// Whether anything in the scene fits a pattern.
+pub(super) fn is_named(pattern: &NamePattern, tables: &Tables<'_>, names: &SceneNames) -> bool {
+    let is_kind = |kind| pattern.kind == NameKind::Any || pattern.kind == kind;
+    let any = |list: &[String]| {
+        list.iter()
+            .any(|n| !n.is_empty() && pattern.glob.matches(n))
+    };
+    let lamps = tables.emitters.iter();
+    is_kind(NameKind::Object) && (any(&names.shapes) || any(&names.instances))
+        || is_kind(NameKind::Material) && any(&names.materials)
+        || is_kind(NameKind::Emitter) && any(&names.emitters)
+        || is_kind(NameKind::Object)
+            && lamps
+                .map(|e| object_of_emitter(names, e.shape))
+                .any(|n| !n.is_empty() && pattern.glob.matches(n))
 }

@@ -123,6 +123,7 @@ impl Parser<'_> {
         let mut node = self.primary()?;
         for _ in 0..=MAX_OPERATORS {
             self.skip_space();
+            let start = self.at;
             let (least, most) = match self.peek() {
                 Some('*') => (0, None),
                 Some('+') => (1, None),
@@ -130,6 +131,13 @@ impl Parser<'_> {
                 Some('{') => self.counts()?,
                 _ => return Ok(node),
             };
+            if most != Some(1)
+                && let Node::Atom(atom, _) = &node
+                && atom.is_end()
+            {
+                let message = "a path has one light and one sensor, which do not repeat; .* stands for any vertices";
+                return Err(self.error_at(start, message));
+            }
             self.at += 1;
             node = Node::Repeat(Box::new(node), least, most);
         }
@@ -203,12 +211,16 @@ impl Parser<'_> {
                 self.depth -= 1;
                 Ok(node)
             }
-            Some('[') => Ok(Node::Atom(self.set()?)),
+            Some('[') => {
+                let start = self.at;
+                Ok(Node::Atom(self.set()?, start))
+            }
             Some('*' | '+' | '?' | '{') => Err(self.error("there is nothing to repeat")),
             _ => {
+                let start = self.at;
                 let mut test = self.vertex()?;
                 self.suffixes(&mut test)?;
-                Ok(Node::Atom(Atom::one(test)))
+                Ok(Node::Atom(Atom::one(test), start))
             }
         }
     }

@@ -4,6 +4,7 @@ use super::compile::{CompiledExpressions, compile};
 use super::error::ExpressionError;
 use super::names::SceneNames;
 use crate::film::aov::Aov;
+use crate::integrators::{INTEGRATORS, divides_paths, names};
 use halflight_kernel::path::PathExpressions;
 use halflight_kernel::scene::Tables;
 use serde::{Deserialize, Serialize};
@@ -122,12 +123,13 @@ pub enum PartsError {
     Twice(String),
     /// The algorithm does not know the paths of what it adds.
     #[error(
-        "--lpe and --only are not for {0}: use path, ptracer, bdpt, sppm, appm, vcm, mlt, erpt, pssmlt or mmlt"
+        "--lpe and --only are not for {0}: use one of {list}",
+        list = names(INTEGRATORS.iter().filter(|i| divides_paths(i.kind)))
     )]
     Algorithm(String),
     /// Photons among edits know which edits apply to them, and nothing else of their paths.
-    #[error("--lpe and --only do not divide what vcm merges among edits: use bdpt")]
-    EditedPhotons,
+    #[error("--lpe and --only do not divide what {0} merges among edits: use bdpt")]
+    EditedPhotons(String),
     /// Events that regularisation has spread are of no kind.
     #[error("--lpe and --only divide paths as they are, not those that regularisation has spread")]
     Regularized,

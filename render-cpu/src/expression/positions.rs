@@ -63,6 +63,8 @@ pub(super) struct Positions {
     pub atoms: Vec<Option<usize>>,
     /// The expression of each position.
     pub expression: Vec<usize>,
+    /// The number of characters before the atom of each position in the text of its expression.
+    pub places: Vec<usize>,
     /// Positions that may follow each, with the one where an expression begins before all that it may begin with.
     pub follow: Vec<Vec<usize>>,
     /// Where each expression begins.
@@ -89,7 +91,7 @@ impl Positions {
         node: &Node,
         number: &mut impl FnMut(&Atom) -> usize,
     ) -> Result<(), ExpressionError> {
-        let start = self.push(text, None)?;
+        let start = self.push(text, None, 0)?;
         self.starts.push(start);
         let whole = self.part(text, node, number)?;
         self.follow[start] = whole.first;
@@ -106,7 +108,12 @@ impl Positions {
         self.atoms.len()
     }
 
-    fn push(&mut self, text: &str, atom: Option<usize>) -> Result<usize, ExpressionError> {
+    fn push(
+        &mut self,
+        text: &str,
+        atom: Option<usize>,
+        place: usize,
+    ) -> Result<usize, ExpressionError> {
         if self.atoms.len() == MAX_POSITIONS {
             let message = format!(
                 "with its repetitions this has more than {MAX_POSITIONS} vertices, those of expressions before it included"
@@ -117,6 +124,7 @@ impl Positions {
         // The start of an expression comes before it is counted.
         let start = self.starts.len() - usize::from(atom.is_some());
         self.expression.push(start);
+        self.places.push(place);
         self.follow.push(Vec::new());
         Ok(self.atoms.len() - 1)
     }
@@ -128,8 +136,8 @@ impl Positions {
         number: &mut impl FnMut(&Atom) -> usize,
     ) -> Result<Part, ExpressionError> {
         match node {
-            Node::Atom(atom) => {
-                let position = self.push(text, Some(number(atom)))?;
+            Node::Atom(atom, place) => {
+                let position = self.push(text, Some(number(atom)), *place)?;
                 Ok(Part {
                     is_optional: false,
                     first: vec![position],

@@ -5,9 +5,11 @@
 //! whose last letter may be any surface; what distinguishes surfaces there is for the edit's source to say.
 
 use super::automaton::{Deterministic, End, Letters};
-use super::compile::{CompiledExpressions, Read, ends};
+use super::compile::CompiledExpressions;
 use super::error::ExpressionError;
 use super::names::SceneNames;
+use super::read::{Read, ends};
+use super::unmatched::nameless;
 use halflight_kernel::path::expression::START;
 use halflight_kernel::path::retarget::flow;
 use halflight_kernel::path::retarget_states::{MAX_STATES, PAIRS, label};
@@ -21,6 +23,8 @@ pub struct CompiledSelections {
     pub words: CompiledExpressions,
     /// One of [`flow`] for each selection.
     pub flows: Vec<u32>,
+    /// Whether some path over the scene's surfaces, by the lobes of their materials, can be selected.
+    pub is_possible: Vec<bool>,
 }
 
 /// Compiles selections over the paths of a scene.
@@ -62,6 +66,7 @@ pub fn compile_selections(
             (1, 0) => flow::LIGHT,
             // Without emitters there is nothing to turn.
             (0, 0) if tables.emitters.is_empty() => flow::LIGHT,
+            (0, 0) if let Some(error) = nameless(text, tables, names) => return Err(error),
             _ => {
                 let message = "a selection leads from L over at least one vertex to X, as in L S^T+ X, or from X to E, as in X S^R E; where the last X shall be is said by the source";
                 return Err(ExpressionError::new(text, 0, message));
@@ -79,10 +84,36 @@ pub fn compile_selections(
             return Err(too_complex());
         }
     }
+    let surfaces = alphabet.scattered(tables);
+    let possible = behind_surfaces(&light, &from_light.first, &surfaces)
+        | behind_surfaces(&sensor, &from_sensor.first, &surfaces);
     Ok(CompiledSelections {
+        is_possible: (0..texts.len()).map(|i| possible >> i & 1 != 0).collect(),
         words: CompiledExpressions::new(texts.len() as u32, 0, alphabet, light, sensor, Vec::new()),
         flows,
     })
+}
+
+/// Bits of all selections that apply in states behind a first letter and at least one of those of surfaces.
+fn behind_surfaces(automaton: &Deterministic, first: &[u32], surfaces: &[u32]) -> u32 {
+    let reached = reached(automaton, first, surfaces);
+    let states = reached.iter();
+    states.fold(0, |bits, state| bits | automaton.matched[*state as usize])
+}
+
+/// States behind a first letter and at least one of those of surfaces.
+fn reached(automaton: &Deterministic, first: &[u32], surfaces: &[u32]) -> BTreeSet<u32> {
+    let mut reached: BTreeSet<u32> = BTreeSet::new();
+    let mut queue: Vec<u32> = first.iter().map(|l| automaton.after(START, *l)).collect();
+    while let Some(state) = queue.pop() {
+        for letter in surfaces {
+            let next = automaton.after(state, *letter);
+            if reached.insert(next) {
+                queue.push(next);
+            }
+        }
+    }
+    reached
 }
 
 /// Turns what matches into what is selected by a last surface; returns the bits of the selections that some vertices satisfy.
@@ -105,23 +136,8 @@ fn select(
     let some: Vec<u32> = states
         .map(|state| behind(state).fold(0, |a, b| a | b))
         .collect();
-    // States behind the first letter and at least one surface.
-    let mut reached: BTreeSet<u32> = BTreeSet::new();
-    let mut queue: Vec<u32> = letters
-        .first
-        .iter()
-        .map(|l| automaton.after(START, *l))
-        .collect();
-    while let Some(state) = queue.pop() {
-        for letter in &letters.inner {
-            let next = automaton.after(state, *letter);
-            if reached.insert(next) {
-                queue.push(next);
-            }
-        }
-    }
     let mut bits = 0;
-    for state in reached {
+    for state in reached(automaton, &letters.first, &letters.inner) {
         let partly = some[state as usize] & !selected[state as usize];
         if partly != 0 && !is_dark {
             let text = texts.get(partly.trailing_zeros() as usize);

@@ -109,6 +109,11 @@ pub struct Atom {
 }
 
 impl Atom {
+    /// Whether it stands for ends of paths alone, which are no more than one each.
+    pub fn is_end(&self) -> bool {
+        !self.is_negated && self.tests.iter().all(|t| t.kinds & kind::SURFACE == 0)
+    }
+
     /// The vertices of one test.
     pub fn one(test: VertexTest) -> Atom {
         Atom {
@@ -121,8 +126,8 @@ impl Atom {
 /// A node of the tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Node {
-    /// One vertex.
-    Atom(Atom),
+    /// One vertex, and the number of characters before it in the text.
+    Atom(Atom, usize),
     /// One after the other, from the light.
     Sequence(Vec<Node>),
     /// One of them.
@@ -135,7 +140,7 @@ impl Node {
     /// The same read from the other end.
     pub fn reversed(self) -> Node {
         match self {
-            Node::Atom(atom) => Node::Atom(atom),
+            Node::Atom(..) => self,
             Node::Sequence(nodes) => {
                 Node::Sequence(nodes.into_iter().rev().map(Node::reversed).collect())
             }

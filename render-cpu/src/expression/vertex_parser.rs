@@ -70,6 +70,10 @@ impl Parser<'_> {
         let start = self.at;
         self.at += 1;
         let mut test = VertexTest::of(kind::ANY);
+        self.skip_space();
+        if self.peek() == Some('>') {
+            return Err(self.error_at(start, "nothing stands between < and >; any vertex is ."));
+        }
         for part in 0..2 {
             self.skip_space();
             let here = self.at;
@@ -179,6 +183,10 @@ impl Parser<'_> {
             let (name, here) = match self.peek() {
                 None => return Err(self.error_at(start, "this [ is not closed")),
                 Some('\'' | '"') => self.quoted()?,
+                Some('^') => {
+                    let message = "^ stands once, before all names: none of them is meant";
+                    return Err(self.error(message));
+                }
                 Some(_) => {
                     while self.peek().is_some_and(|c| !"],".contains(c)) {
                         self.at += 1;

@@ -43,7 +43,7 @@ pub struct PlannedScene {
     pub edit: Option<PathBuf>,
     /// The moment of their keyframes.
     #[serde(default)]
-    pub edit_time: f64,
+    pub edit_time: Option<f64>,
     /// How the image is made of the samples.
     #[serde(default)]
     pub look: PlannedLook,

@@ -46,7 +46,7 @@ const BATCH: usize = 4096;
 const SCENE: &str = "scene";
 
 /// End of the names of settings that are not read.
-const DIGEST: &str = " (digest)";
+pub(crate) const DIGEST: &str = " (digest)";
 
 /// What decides the numbers of an image, by name: scene and its hash, size, seed, integrator, sampler, version ...
 pub type Settings = BTreeMap<String, String>;
@@ -238,13 +238,13 @@ pub fn settings_differences(checkpoint: &Settings, run: &Settings) -> String {
     for name in names {
         match (checkpoint.get(name), run.get(name)) {
             (Some(a), Some(b)) if a == b || name == SCENE => {}
-            (Some(_), Some(_)) if name.ends_with(DIGEST) => {
+            (None, None) => {}
+            _ if name.ends_with(DIGEST) => {
                 digests.push(format!("the {} differs", name.trim_end_matches(DIGEST)));
             }
             (Some(a), Some(b)) => differences.push(format!("{name} is {a} there and {b} here")),
             (Some(a), None) => differences.push(format!("{name} is {a} there and not set here")),
             (None, Some(b)) => differences.push(format!("{name} is not set there and {b} here")),
-            (None, None) => {}
         }
     }
     if differences.is_empty() {

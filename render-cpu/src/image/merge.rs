@@ -14,6 +14,7 @@
 //! Exact merging would take exact sums in every image, 120 bytes for each pixel beside the 12 of its radiance; so this is exact
 //! to the rounding of the layers.
 
+use crate::film::checkpoint::DIGEST;
 use crate::image::ExrImage;
 use crate::image::exr_output::{ChannelValues, LayeredImage};
 use crate::image::merge_error::MergeError;
@@ -290,7 +291,7 @@ impl Merger {
                     scene: metadata.scene.clone(),
                 });
             }
-            // What is named above is not named twice.
+            let mut contents = Vec::new();
             let names: BTreeSet<&String> = ours
                 .settings
                 .keys()
@@ -302,10 +303,21 @@ impl Merger {
                     value.to_owned()
                 };
                 let (found, expected) = (of(&metadata.settings), of(&ours.settings));
-                // What is named above is not named twice.
-                if found != expected && differences.is_empty() {
-                    differences.push(other(what, &found, &expected));
+                // What is named above is not named twice, and content is what is left to say.
+                if found == expected || !differences.is_empty() {
+                    continue;
                 }
+                match what.strip_suffix(DIGEST) {
+                    Some(what) => contents.push(MergeError::OtherContent {
+                        name: name.to_owned(),
+                        first: self.first.clone(),
+                        what: what.to_owned(),
+                    }),
+                    None => differences.push(other(what, &found, &expected)),
+                }
+            }
+            if differences.is_empty() {
+                differences = contents;
             }
         }
         let mut differences = differences.into_iter();

@@ -31,6 +31,16 @@ pub enum MergeError {
         /// The scene.
         scene: String,
     },
+    /// They differ in what is known by its digest alone.
+    #[error("{name} and {first} are not shares of one image: the {what} differs")]
+    OtherContent {
+        /// The image.
+        name: String,
+        /// The first image.
+        first: String,
+        /// What differs.
+        what: String,
+    },
     /// The crops are too far apart.
     #[error("{name}: an image that holds its pixels and those of the others is too large")]
     TooLarge {

@@ -108,7 +108,8 @@ pub struct Choice {
     pub pixels: Option<[u32; 4]>,
 }
 
-/// Chooses among the paths of path tracing of a scene: those that the first expression of `parts` matches, if it has one.
+/// Chooses among the paths of path tracing of a scene: those that all expressions of `parts` match, of which there are at most two, one
+/// of the only paths that count and one for a layer.
 pub fn record<T: Traverse + Sync>(
     view: &SceneView<'_, T>,
     scene: &Scene,
@@ -202,6 +203,19 @@ pub fn record<T: Traverse + Sync>(
     }
 }
 
+/// What all paths match, in words.
+fn expression(parts: &PathParts) -> Option<String> {
+    let request = parts.request();
+    let texts = request.layers.iter().map(|(_, text)| text);
+    let all: Vec<&str> = request
+        .only
+        .iter()
+        .chain(texts)
+        .map(String::as_str)
+        .collect();
+    (!all.is_empty()).then(|| all.join(" and "))
+}
+
 /// What the scene says.
 fn header(scene: &Scene, parts: &PathParts) -> RecordHeader {
     let names: &SceneNames = &scene.names;
@@ -210,7 +224,7 @@ fn header(scene: &Scene, parts: &PathParts) -> RecordHeader {
         name.cloned().unwrap_or_default()
     };
     RecordHeader {
-        expression: parts.request().only.clone(),
+        expression: expression(parts),
         kinds: (0..=vertex_kind::SENSOR)
             .map(|k| kind_name(k).to_owned())
             .collect(),

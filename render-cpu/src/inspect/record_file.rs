@@ -168,11 +168,24 @@ impl PathRecord {
     /// If they are not what [`PathRecord::write_bytes`] writes.
     pub fn read_bytes(stream: &mut impl Read) -> io::Result<PathRecord> {
         let wrong = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what.to_owned());
-        let mut magic = [0; 8];
-        stream.read_exact(&mut magic)?;
+        let mut magic = Vec::new();
+        stream.take(MAGIC.len() as u64).read_to_end(&mut magic)?;
+        if magic.starts_with(b"{\"") {
+            return Err(wrong(
+                "these are lines of JSON, which people and scripts read: a record for this has any other ending than .jsonl",
+            ));
+        }
         if magic != MAGIC {
             return Err(wrong("this is no record of paths"));
         }
+        PathRecord::read_behind_magic(stream).map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => wrong("the record ends too early"),
+            _ => error,
+        })
+    }
+
+    fn read_behind_magic(stream: &mut impl Read) -> io::Result<PathRecord> {
+        let wrong = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what.to_owned());
         let mut word = [0; 4];
         let mut next = |stream: &mut dyn Read| {
             stream.read_exact(&mut word)?;
@@ -187,6 +200,9 @@ impl PathRecord {
         }
         let mut bytes = Vec::new();
         stream.take(length.into()).read_to_end(&mut bytes)?;
+        if bytes.len() < length as usize {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
         let header: RecordHeader =
             serde_json::from_slice(&bytes).map_err(|e| wrong(&format!("the header: {e}")))?;
         let mut paths = Vec::new();

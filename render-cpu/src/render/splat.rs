@@ -8,6 +8,7 @@ use glam::Vec2;
 use halflight_kernel::math::{Rgb, filter};
 use halflight_kernel::scene::camera::Support;
 use halflight_kernel::scene::{Camera, filter_kind};
+use std::ops::AddAssign;
 
 /// Light at a film position.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +85,12 @@ impl SplatFilter {
     }
 
     /// Adds a splat to the pixels of the rows from `first_row` on that `sums` holds.
-    pub fn add(&self, splat: &Splat, first_row: u32, sums: &mut [[f32; 3]]) {
+    pub fn add<F: AddAssign + From<f32>>(
+        &self,
+        splat: &Splat,
+        first_row: u32,
+        sums: &mut [[F; 3]],
+    ) {
         let width = self.size[0];
         let end_row = first_row + sums.len() as u32 / width;
         let rows = self.rows(splat);
@@ -94,7 +100,7 @@ impl SplatFilter {
                 let value = splat.value * (self.weight(0, x, splat.film.x) * weight_y);
                 let sum = &mut sums[((y - first_row) * width + x) as usize];
                 for c in 0..3 {
-                    sum[c] += value[c];
+                    sum[c] += F::from(value[c]);
                 }
             }
         }

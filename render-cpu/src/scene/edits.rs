@@ -1,6 +1,7 @@
 //! The edits of a scene's light transport ([`halflight_kernel::path::retarget`]).
 
 use crate::expression::selections::CompiledSelections;
+use flate2::Crc;
 use halflight_kernel::path::retarget::Edit;
 use halflight_kernel::path::retarget_states::Edits;
 
@@ -35,16 +36,20 @@ impl SceneEdits {
         self.list.is_empty()
     }
 
-    /// What decides the numbers of the image.
+    /// What decides the numbers of the image: the selections, and what else they hold as digests.
     pub fn settings(&self) -> impl Iterator<Item = (String, String)> + '_ {
         let all = self.list.iter().zip(&self.texts).enumerate();
-        all.map(|(i, (edit, text))| {
-            let words: &[u32] = bytemuck::cast_slice(std::slice::from_ref(edit));
-            let digits: Vec<String> = words.iter().map(|word| format!("{word:x}")).collect();
-            (
-                format!("edit {}", i + 1),
-                format!("{text} {}", digits.join(",")),
-            )
+        all.flat_map(|(i, (edit, text))| {
+            let mut digest = Crc::new();
+            digest.update(bytemuck::bytes_of(edit));
+            let number = i + 1;
+            [
+                (format!("edit {number}"), text.clone()),
+                (
+                    format!("content of edit {number} (digest)"),
+                    format!("{:08x}", digest.sum()),
+                ),
+            ]
         })
     }
 }

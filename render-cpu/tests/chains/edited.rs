@@ -4,7 +4,10 @@ use crate::agreement::report;
 use crate::brightness::{BALL, DIFFUSE, POINT, SKY, VEIL};
 use crate::scenes::{LAMP, NamedFile, PINHOLE, room, scene, sky};
 use crate::variants::{self, MIRROR, OF_WHOLE_PATHS};
+use halflight::scene::build::{BuildOptions, integrator_settings};
+use halflight::scene::xml::parse_scene_from_str;
 use halflight_kernel::transport::settings::{ChainSettings, integrator_kind};
+use std::path::Path;
 
 const PLASTIC: &str = r#"<bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.5, 0.4, 0.3"/><float name="alpha" value="0.3"/></bsdf>"#;
 
@@ -103,4 +106,30 @@ fn chains_of_every_light_have_the_edited_image() {
     let kind = integrator_kind::PATH;
     results.extend(agree_with("directional", &content, kind, &all));
     report(results);
+}
+
+/// As users ask for them: with direct illumination apart, and short chains where energy is redistributed.
+#[test]
+fn algorithms_by_name_have_the_edited_image() {
+    let room = room(PLASTIC);
+    let content = [
+        PINHOLE, &room, LAMP, BALL, MIRROR, CAUSTIC, BLEEDING, REFLECTION,
+    ]
+    .concat();
+    let text = format!("<scene version=\"3.0.0\">{content}</scene>");
+    let parsed = parse_scene_from_str(&text, Path::new("scene.xml"), &[], true).unwrap();
+    let variants = ["mlt", "erpt", "meerpt"].map(|name| {
+        let options = BuildOptions {
+            integrator: Some(name.to_owned()),
+            ..BuildOptions::default()
+        };
+        let (settings, _) = integrator_settings(&parsed, &options, 1.0).unwrap();
+        let own = ChainSettings {
+            mutations: 128,
+            ..settings.chains
+        };
+        (name, own)
+    });
+    let kind = integrator_kind::BIDIRECTIONAL;
+    report(agree_with("by name", &[&content], kind, &variants));
 }

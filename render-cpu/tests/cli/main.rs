@@ -10,6 +10,7 @@ mod looking;
 mod lost_lines;
 mod materials;
 mod outputs;
+mod paths;
 mod previews;
 mod rendering;
 #[path = "../common/room.rs"]

@@ -4,7 +4,7 @@ use super::Place;
 
 /// What a command that fails says.
 #[track_caller]
-fn refused(place: &Place, arguments: &[&str]) -> String {
+pub fn refused(place: &Place, arguments: &[&str]) -> String {
     let output = place.run(arguments);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!output.status.success(), "{arguments:?} succeeded");
@@ -186,6 +186,18 @@ fn what_an_option_cannot_choose_is_said() {
                 "p.png",
             ],
             "the pixels 0,0,0,4 are not in the image",
+        ),
+        (
+            &["scene.xml", "--record", "r", "--record-pixels", "20,0,9,9"],
+            "the pixels 20,0,9,9 reach beyond the image of 24 x 16 pixels",
+        ),
+        (
+            &["scene.xml", "--edit-time", "nan"],
+            "expected a finite number",
+        ),
+        (
+            &["scene.xml", "--edit-time", "1"],
+            "--edit-time: there is no edit with an <animation>",
         ),
         (
             &["material", "diffuse", "--id", "x", "-o", "m.png"],

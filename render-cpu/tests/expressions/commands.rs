@@ -130,7 +130,12 @@ fn layers_are_in_the_file_and_the_same_from_a_farm_and_from_a_checkpoint() {
 #[test]
 fn bad_requests_end_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 9] = [
+        (&["--integrator", "ao", "--only", "C.*L"], "vcm, vm"),
+        (
+            &["--integrator", "ao", "--lpe", "a=C.*L"],
+            "mlt, memlt, hslt, erpt, meerpt, sppm",
+        ),
         (&["--lpe", "a=C(DL"], "character 2: this ( is not closed"),
         (&["--only", "C<RD>L['x']"], "none of L O B"),
         (

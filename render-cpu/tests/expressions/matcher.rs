@@ -159,7 +159,22 @@ impl Tree {
             }
             Tree::Or(parts) => format!("({})", all(parts).join("|")),
             Tree::Times(part, least, most) => {
+                let is_end = |test: &Test| {
+                    let kinds = [Test::Sensor, Test::Light, Test::Object, Test::Background];
+                    kinds.contains(test) || *test == Test::Key
+                };
+                let ends_paths = match &**part {
+                    Tree::One(test) => is_end(test),
+                    Tree::Set(false, tests) => tests.iter().all(is_end),
+                    _ => false,
+                };
                 let part = part.text(from_camera);
+                // Ends of paths are not repeated by themselves: that is a mistake.
+                let part = if ends_paths {
+                    format!("({part})")
+                } else {
+                    part
+                };
                 let times = match (least, most) {
                     (0, None) => "*".into(),
                     (1, None) => "+".into(),

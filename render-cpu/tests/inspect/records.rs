@@ -191,6 +191,29 @@ fn the_render_command_writes_a_record() {
     let found = PathRecord::read_bytes(&mut file).unwrap();
     assert!(found.paths.len() == 20 && found.paths.iter().all(|p| found.word(p) == "L G^R E"));
     assert_eq!(found.header.expression.as_deref(), Some("L G E"));
+    // Together with --only, what both match.
+    let both = [
+        "--record",
+        "paths.bin",
+        "--only",
+        "L G G* E",
+        "--record-where",
+        "L X X E",
+    ];
+    let output = run(&both);
+    assert!(output.status.success());
+    let mut file = std::fs::File::open(folder.path().join("paths.bin")).unwrap();
+    let found = PathRecord::read_bytes(&mut file).unwrap();
+    assert_eq!(
+        found.header.expression.as_deref(),
+        Some("L G G* E and L X X E")
+    );
+    assert!(found.paths.iter().all(|p| found.word(p) == "L G^R G^R E"));
+    let output = run(&["--record", "paths.bin", "--only", "L G E"]);
+    assert!(output.status.success());
+    let mut file = std::fs::File::open(folder.path().join("paths.bin")).unwrap();
+    let found = PathRecord::read_bytes(&mut file).unwrap();
+    assert!(!found.paths.is_empty() && found.paths.iter().all(|p| found.word(p) == "L G^R E"));
     let output = run(&["--record", "paths.bin", "--record-where", "L Q E"]);
     assert_eq!(output.status.code(), Some(1));
 }

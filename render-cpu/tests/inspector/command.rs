@@ -68,7 +68,7 @@ fn what_does_not_fit_is_refused_with_a_reason() {
         ),
         (
             &["s.xml", "-o", "x.html", "--spp", "1", "--pixel", "5000,0"],
-            "sees no surface",
+            "--pixel: 5000,0 is not in the image of 96 x 64 pixels",
         ),
     ] {
         let said = refused(folder.path(), arguments);

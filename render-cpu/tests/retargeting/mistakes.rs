@@ -68,6 +68,32 @@ fn are_told_with_their_place() {
             "the times of an animation grow",
         ),
         (format!(r#"<edit type="retarget">{map}<float name="strength" value="1"/></edit>"#), "strength"),
+        (r#"<edit type="retarget"/>"#.to_owned(), "this edit changes nothing"),
+        (format!(r#"<edit type="retarget"><string name="selection" value="L D X"/>{source}</edit>"#), "this edit changes nothing"),
+        (
+            format!(r#"<edit type="retarget"><string name="selection" value="L D X"/><string name="flow" value="light"/>{map}</edit>"#),
+            "the selection says which flow",
+        ),
+        (
+            format!(r#"<edit type="retarget">{map}<float name="saturation" value="0.5"/></edit>"#),
+            "a hue, which is not given",
+        ),
+        (
+            r#"<edit type="retarget"><float name="intensity" value="2"/><string name="keep" value="energy"/></edit>"#.to_owned(),
+            "and there is neither",
+        ),
+        (
+            format!(r#"<edit type="retarget"><string name="shape" value="sphere"/>{map}</edit>"#),
+            "a source which a transform places",
+        ),
+        (
+            format!(r#"<edit type="retarget"><string name="selection" value="L D[nosuch*] X"/>{map}</edit>"#),
+            "character 5: no path of this scene can match: it has nothing whose name fits",
+        ),
+        (
+            format!(r#"<edit type="retarget"><string name="selection" value="L S^T X"/>{map}</edit>"#),
+            "no surface of the scene scatters as \"L S^T X\" says",
+        ),
     ];
     for (edit, expected) in cases {
         let message = try_room(PLAIN, &edit).unwrap_err().to_string();
@@ -111,7 +137,7 @@ fn of_algorithms_and_files() {
             "holds nothing but <edit>s",
         ),
         (
-            r#"<edit type="retarget"><float name="hu" value="3"/></edit>"#,
+            r#"<edit type="retarget"><float name="intensity" value="3"/><float name="hu" value="3"/></edit>"#,
             "path",
             "does not use this",
         ),
@@ -120,6 +146,17 @@ fn of_algorithms_and_files() {
             .unwrap_err()
             .to_string();
         assert!(message.contains(expected), "{content}: {message}");
+        assert!(message.contains("edits.xml:1:"), "{content}: {message}");
+    }
+    // A time chooses between keyframes, which must be there.
+    for edit in [None, Some(write("still.xml", map))] {
+        let options = BuildOptions {
+            edit,
+            edit_time: Some(0.0),
+            ..BuildOptions::default()
+        };
+        let message = build_scene(&scene, &options).unwrap_err().to_string();
+        assert!(message.contains("no edit with an <animation>"), "{message}");
     }
     // Shapes are named, and the time chooses between keyframes.
     let keys = r#"<edit type="retarget"><string name="source" value="ball"/><animation name="map">
@@ -130,7 +167,7 @@ fn of_algorithms_and_files() {
     );
     let options = BuildOptions {
         edit: Some(write("keys.xml", keys)),
-        edit_time: 1.0,
+        edit_time: Some(1.0),
         ..BuildOptions::default()
     };
     let edits = build_scene(&scene, &options).unwrap().edits;

@@ -30,14 +30,19 @@ pub const PLAIN: &str = r#"<bsdf type="diffuse"/>"#;
 /// Diffuse and glossy at once.
 pub const PLASTIC: &str = r#"<bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.4, 0.35, 0.3"/><float name="alpha" value="0.3"/></bsdf>"#;
 
-/// The room with a floor and edits.
+/// The room with a floor and edits, read strictly: what is odd is an error.
 pub fn try_room(floor: &str, edits: &str) -> Result<Scene, SceneError> {
+    read_room(floor, edits, true)
+}
+
+/// The same, read strictly or not.
+pub fn read_room(floor: &str, edits: &str, is_strict: bool) -> Result<Scene, SceneError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.xml");
     let content = ROOM.replace("FLOOR", floor);
     let text = format!("<scene version=\"3.0.0\">{content}\n{edits}</scene>");
     std::fs::write(&path, text).unwrap();
-    let parsed = parse_scene(&path, &[], true)?;
+    let parsed = parse_scene(&path, &[], is_strict)?;
     build_scene(&parsed, &BuildOptions::default())
 }
 

@@ -28,7 +28,7 @@ pub fn load(
         sampler: None,
         sensor: 0,
         edit: None,
-        edit_time: 0.0,
+        edit_time: None,
         strict: false,
     };
     args.load()

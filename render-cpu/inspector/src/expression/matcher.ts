@@ -22,6 +22,16 @@ interface Letter {
   inside: number;
 }
 
+/** That nothing has a name. */
+function nothingNamed(pattern: NamePattern): string {
+  const what = pattern.kind === "any" ? "nothing" : `no ${pattern.kind}`;
+  const before = pattern.glob.split(":")[0];
+  const isUnknown =
+    pattern.kind === "any" && pattern.glob.includes(":") && !["object", "material", "emitter"].includes(before);
+  const hint = isUnknown ? "; before a colon stands object, material or emitter" : "";
+  return `the scene has ${what} named "${pattern.glob}"${hint}`;
+}
+
 /** An automaton with steps over letters and steps over nothing. */
 class Nfa {
   readonly atoms: (Atom | null)[] = [];
@@ -121,7 +131,7 @@ export class Matcher {
         const key = pattern.glob;
         if (!this.patterns.has(key)) this.patterns.set(key, globExpression(key));
         if (!/[*?]/.test(key) && !this.exists(pattern)) {
-          throw new ExpressionError(pattern.at, `the scene has nothing named "${key}"`);
+          throw new ExpressionError(pattern.at, nothingNamed(pattern));
         }
       }
       for (const { name, at } of test.regions) {

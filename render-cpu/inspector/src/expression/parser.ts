@@ -83,6 +83,7 @@ class Parser {
     let node = this.primary();
     for (let i = 0; i <= MAX_OPERATORS; i++) {
       this.skipSpace();
+      const start = this.at;
       let least = 0;
       let most: number | null = null;
       switch (this.peek()) {
@@ -99,6 +100,10 @@ class Parser {
           break;
         default:
           return node;
+      }
+      if (most !== 1 && node.type === "atom" && s.isEnd(node.atom)) {
+        const message = "a path has one light and one sensor, which do not repeat; .* stands for any vertices";
+        throw this.error(message, start);
       }
       this.at++;
       node = { type: "repeat", node, least, most };
@@ -242,6 +247,8 @@ class Parser {
     const start = this.at;
     this.at++;
     const test = s.testOf(s.ANY);
+    this.skipSpace();
+    if (this.peek() === ">") throw this.error("nothing stands between < and >; any vertex is .", start);
     for (let part = 0; part < 2; part++) {
       this.skipSpace();
       const here = this.at;
@@ -327,6 +334,8 @@ class Parser {
       if (c === undefined) throw this.error("this [ is not closed", start);
       if (c === "'" || c === '"') {
         [name, here] = this.quoted();
+      } else if (c === "^") {
+        throw this.error("^ stands once, before all names: none of them is meant");
       } else {
         for (let n = this.peek(); n !== undefined && n !== "]" && n !== ","; n = this.peek()) this.at++;
         name = this.chars.slice(here, this.at).join("").trim();

@@ -59,6 +59,11 @@ export function testOf(kinds: number): VertexTest {
   return { kinds, lights: ANY_LIGHT, names: [], regions: [] };
 }
 
+/** Whether an atom stands for ends of paths alone, which are no more than one each. */
+export function isEnd(atom: Atom): boolean {
+  return !atom.isNegated && atom.tests.every((test) => (test.kinds & SURFACE) === 0);
+}
+
 /** The same read from the other end. */
 export function reversed(node: Node): Node {
   switch (node.type) {

@@ -46,8 +46,9 @@ pub struct GroupPlan {
 
 /// What became of a group.
 pub struct GroupImage {
-    /// Sums of the splats over all mutations, by rows of pixels: of the image, then of its parts.
-    pub sums: Vec<Vec<[f32; 3]>>,
+    /// Sums of the splats over all mutations, by rows of pixels: of the image, then of its parts. A pixel has many thousands of
+    /// them, whose rounding to single precision would be seen where parts are added.
+    pub sums: Vec<Vec<[f64; 3]>>,
     /// What became of each kind of mutation.
     pub counts: Vec<MutationCounts>,
     /// What became of the mutations of the paths that each pixel sees, if that was asked for.
@@ -242,6 +243,75 @@ fn resample(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bytemuck::Zeroable;
+    use glam::{Vec2, Vec3};
+    use halflight_kernel::scene::{Camera, filter_kind};
+    use halflight_kernel::transport::markov::Splat as StateSplat;
+    use std::sync::atomic::AtomicBool;
+
+    /// Light of which every step adds as much, divided into two parts.
+    struct Even;
+
+    const WHOLE: f32 = 0.1;
+    const PART: f32 = 0.07;
+
+    impl ChainAlgorithm for Even {
+        type Chain = ();
+
+        fn candidate_weights(&self, _: u32, add: &mut impl FnMut(f32)) {
+            add(1.0);
+        }
+
+        fn candidate_luminances(&self, _: u32, _: &mut impl FnMut(Vec2, f32)) {}
+
+        fn start(&self, _: u32, _: u32, _: u32) {}
+
+        fn step(&self, (): &mut (), _: f32, add: &mut impl FnMut(StateSplat)) {
+            for (image, value) in [(0, WHOLE), (1, PART), (2, WHOLE - PART)] {
+                add(StateSplat {
+                    film: Vec2::splat(0.5),
+                    value: Vec3::splat(value),
+                    image,
+                });
+            }
+        }
+
+        fn finish(&self, (): &mut (), _: f32, _: &mut impl FnMut(StateSplat)) {}
+
+        fn mutations(&self) -> &'static [&'static str] {
+            &[]
+        }
+
+        fn counts((): &()) -> &[MutationCounts] {
+            &[]
+        }
+    }
+
+    #[test]
+    fn parts_of_very_many_splats_add_up_to_the_image() {
+        let camera = Camera {
+            film_size: [1, 1],
+            crop_size: [1, 1],
+            filter: filter_kind::BOX,
+            filter_parameters: [0.5, 0.0, 0.0],
+            ..Camera::zeroed()
+        };
+        let steps = 1 << 20;
+        let plan = GroupPlan {
+            candidates: 1,
+            chains: 1,
+            steps,
+            offset: 0.5,
+            images: 3,
+            with_steps: false,
+        };
+        let request = AtomicBool::new(false);
+        let stop = Stop::new(&request, None);
+        let image = run(&Even, plan, &SplatFilter::new(&camera), [1, 1], &stop).unwrap();
+        let [whole, a, b] = [0, 1, 2].map(|i| image.sums[i][0][0]);
+        assert!(((a + b) / whole - 1.0).abs() < 1e-7, "{a} + {b}, {whole}");
+        assert!((whole / (f64::from(steps) * f64::from(WHOLE)) - 1.0).abs() < 1e-9);
+    }
 
     #[test]
     fn starts_are_spread_by_weight() {

@@ -245,12 +245,12 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
             film.chain_counts_mut().add(name, counts);
         }
         let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
-        self.add_to_film(film, &image, scale as f32);
+        self.add_to_film(film, &image, scale);
         true
     }
 
     /// Adds the image of a group as a sample of every pixel, with direct illumination if that is apart.
-    fn add_to_film(&self, film: &mut Film, image: &GroupImage, scale: f32) {
+    fn add_to_film(&self, film: &mut Film, image: &GroupImage, scale: f64) {
         let (followed, group) = (self.followed, self.group);
         let PassContext {
             view,
@@ -285,8 +285,10 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
                     let index = pixel[1]
                         .wrapping_mul(camera.film_size[0])
                         .wrapping_add(pixel[0]);
-                    let sum = |image: &Vec<[f32; 3]>| {
-                        Vec3::from_array(image[(y * width + x) as usize]) * scale
+                    let sum = |image: &Vec<[f64; 3]>| {
+                        Vec3::from_array(
+                            image[(y * width + x) as usize].map(|v| (v * scale) as f32),
+                        )
                     };
                     let mut value = sum(&image.sums[0]);
                     if let Some(kept) = &kept {

@@ -12,10 +12,12 @@
 //!
 //! `target` and `map` may be an `<animation>` of keyframes, between which translation, rotation and scale are interpolated.
 
+use super::integrator::Integrator;
 use super::options::BuildOptions;
 use crate::expression::SceneNames;
 use crate::expression::names::region;
 use crate::expression::selections::compile_selections;
+use crate::integrators::{self, INTEGRATORS, turns_paths};
 use crate::scene::edits::SceneEdits;
 use crate::scene::error::SceneError;
 use crate::scene::transform::rows_and_inverse;
@@ -32,63 +34,185 @@ use std::sync::Arc;
 const ALL_LIGHT: &str = "L X+ X";
 const ALL_IMPORTANCE: &str = "X X+ E";
 
-/// The edits of a scene, and those of a file of edits behind them.
-pub(super) fn build(
-    root: &Object,
-    options: &BuildOptions,
-    tables: &Tables<'_>,
-    names: &SceneNames,
-) -> Result<SceneEdits, SceneError> {
-    let mut objects: Vec<Arc<Object>> = edits_of(root);
-    if let Some(path) = &options.edit {
-        let parsed = parse_scene(path, &[], true)?;
-        parsed.root.touch();
-        for child in parsed.root.children() {
-            if child.object.kind != ObjectKind::Edit {
-                let message = "a file of edits holds nothing but <edit>s";
-                return Err(child.object.error(message));
+/// What edits are read with.
+pub(super) struct EditReader<'a> {
+    pub options: &'a BuildOptions,
+    pub integrator: &'a Integrator,
+    pub tables: &'a Tables<'a>,
+    pub names: &'a SceneNames,
+}
+
+impl EditReader<'_> {
+    /// The edits of a scene, and those of a file of edits behind them.
+    pub fn build(&self, root: &Object) -> Result<SceneEdits, SceneError> {
+        let (tables, names) = (self.tables, self.names);
+        let mut objects: Vec<Arc<Object>> = edits_of(root);
+        if let Some(path) = &self.options.edit {
+            let parsed = parse_scene(path, &[], true)?;
+            parsed.root.touch();
+            for child in parsed.root.children() {
+                if child.object.kind != ObjectKind::Edit {
+                    let message = "a file of edits holds nothing but <edit>s";
+                    return Err(child.object.error(message));
+                }
             }
+            let of_file = edits_of(&parsed.root);
+            if of_file.is_empty() {
+                return Err(parsed.root.error("there is no <edit> in the file of edits"));
+            }
+            for object in &of_file {
+                object.touch();
+                let _ = self.read(object)?;
+            }
+            warn_unused(&parsed.root)?;
+            objects.extend(of_file);
         }
-        let of_file = edits_of(&parsed.root);
-        if of_file.is_empty() {
-            return Err(parsed.root.error("there is no <edit> in the file of edits"));
-        }
-        for object in &of_file {
+        self.check_time(&objects)?;
+        let mut list = Vec::new();
+        let mut texts = Vec::new();
+        let mut last = None;
+        for object in &objects {
             object.touch();
-            let _ = read(object, options, tables, names)?;
+            let (mut edit, text) = self.read(object)?;
+            let compiled = compile_selections(&[text.as_str()], tables, names)
+                .map_err(|e| object.property_error("selection", e.to_string()))?;
+            edit.flow = compiled.flows[0];
+            if edit.flow == flow::IMPORTANCE && edit.keeps_energy != 0 {
+                let message = "energy is kept of light alone; importance keeps radiance";
+                return Err(object.property_error("keep", message));
+            }
+            if !compiled.is_possible[0] {
+                let (place, element) = object.property_place("selection");
+                let message = format!(
+                    "no surface of the scene scatters as \"{text}\" says: the edit changes nothing"
+                );
+                root.warn_at(place, element, message)?;
+                continue;
+            }
+            // What changes nothing needs no guesses.
+            if edit.map == IDENTITY && edit.factor == [1.0; 3] {
+                continue;
+            }
+            self.check_algorithm(object)?;
+            if list.len() == MAX_EDITS {
+                return Err(object.error(format!("a scene has at most {MAX_EDITS} edits")));
+            }
+            list.push(edit);
+            texts.push(text);
+            last = Some(object);
         }
-        warn_unused(&parsed.root)?;
-        objects.extend(of_file);
+        let Some(last) = last else {
+            return Ok(SceneEdits::default());
+        };
+        let all: Vec<&str> = texts.iter().map(String::as_str).collect();
+        let compiled = compile_selections(&all, tables, names)
+            .map_err(|e| last.property_error("selection", e.to_string()))?;
+        Ok(SceneEdits::new(list, texts, compiled))
     }
-    let mut list = Vec::new();
-    let mut texts = Vec::new();
-    for object in &objects {
-        object.touch();
-        let (mut edit, text) = read(object, options, tables, names)?;
-        let compiled = compile_selections(&[text.as_str()], tables, names)
-            .map_err(|e| object.property_error("selection", e.to_string()))?;
-        edit.flow = compiled.flows[0];
-        if edit.flow == flow::IMPORTANCE && edit.keeps_energy != 0 {
-            let message = "energy is kept of light alone; importance keeps radiance";
-            return Err(object.property_error("keep", message));
+
+    /// That a time which is given chooses something.
+    fn check_time(&self, objects: &[Arc<Object>]) -> Result<(), SceneError> {
+        let is_animated = |object: &Arc<Object>| {
+            let mut properties = object.properties.iter();
+            properties.any(|p| matches!(p.value, Value::Animation(_)))
+        };
+        if self.options.edit_time.is_some() && !objects.iter().any(is_animated) {
+            let message = "--edit-time: there is no edit with an <animation>";
+            return Err(SceneError::Request(message.to_owned()));
         }
-        // What changes nothing needs no guesses.
-        if edit.map == IDENTITY && edit.factor == [1.0; 3] {
-            continue;
-        }
-        if list.len() == MAX_EDITS {
-            return Err(object.error(format!("a scene has at most {MAX_EDITS} edits")));
-        }
-        list.push(edit);
-        texts.push(text);
+        Ok(())
     }
-    let Some(last) = objects.last().filter(|_| !list.is_empty()) else {
-        return Ok(SceneEdits::default());
-    };
-    let all: Vec<&str> = texts.iter().map(String::as_str).collect();
-    let compiled = compile_selections(&all, tables, names)
-        .map_err(|e| last.property_error("selection", e.to_string()))?;
-    Ok(SceneEdits::new(list, texts, compiled))
+
+    /// That the algorithm renders edits.
+    fn check_algorithm(&self, object: &Object) -> Result<(), SceneError> {
+        let settings = &self.integrator.settings;
+        if !turns_paths(settings.kind) {
+            let all = INTEGRATORS.iter().filter(|i| turns_paths(i.kind));
+            return Err(object.error(format!(
+                "edits of light transport are not for {}: use one of {}",
+                self.integrator.name,
+                integrators::names(all)
+            )));
+        }
+        if settings.regularization.is_some() {
+            let message = "edits turn paths as they are, not those that regularisation has spread";
+            return Err(object.error(message));
+        }
+        Ok(())
+    }
+
+    /// The record of an edit but for its flow, and its selection.
+    fn read(&self, object: &Object) -> Result<(Edit, String), SceneError> {
+        if object.plugin != "retarget" {
+            let message = format!("there is no edit \"{}\"; known is retarget", object.plugin);
+            return Err(object.error(message));
+        }
+        check_properties(object)?;
+        let selection = object.get_string("selection", "")?.to_owned();
+        let own_flow = object.get_string("flow", "light")?;
+        let text = match (selection.as_str(), own_flow) {
+            ("", "light") => ALL_LIGHT.to_owned(),
+            ("", "importance") => ALL_IMPORTANCE.to_owned(),
+            (_, "light" | "importance") => selection,
+            (_, other) => {
+                let message = format!("expected light or importance, found \"{other}\"");
+                return Err(object.property_error("flow", message));
+            }
+        };
+        let (shape, from_unit) = read_source(object, self.tables, self.names)?;
+        let (from, to_unit) = match &from_unit {
+            Some(matrix) => {
+                let (rows, inverse) = rows_and_inverse(matrix)
+                    .map_err(|e| object.property_error("source", e.to_string()))?;
+                (rows, inverse)
+            }
+            None => (IDENTITY, IDENTITY),
+        };
+        let time = self.options.edit_time.unwrap_or(0.0);
+        let target = transform_at(object, "target", time)?;
+        let map = transform_at(object, "map", time)?;
+        let (name, matrix) = match (target, map) {
+            (Some(_), Some(_)) => {
+                return Err(object.property_error("map", "takes either \"target\" or \"map\""));
+            }
+            (Some(target), None) => {
+                let Some(from) = &from_unit else {
+                    let message = "a target needs a source; a map does not";
+                    return Err(object.property_error("target", message));
+                };
+                ("target", target * from.inverse())
+            }
+            (None, Some(map)) => ("map", map),
+            (None, None) => ("map", DMat4::IDENTITY),
+        };
+        let matrix = snapped_to_identity(matrix);
+        let (map, inverse) =
+            rows_and_inverse(&matrix).map_err(|e| object.property_error(name, e.to_string()))?;
+        let changes = ["target", "map", "intensity", "hue"];
+        if !changes.iter().any(|name| object.properties.contains(name)) {
+            let message = "this edit changes nothing: it has no target, map, intensity or hue";
+            return Err(object.error(message));
+        }
+        let keeps_energy = match object.get_string("keep", "radiance")? {
+            "radiance" => 0,
+            "energy" => 1,
+            other => {
+                let message = format!("expected radiance or energy, found \"{other}\"");
+                return Err(object.property_error("keep", message));
+            }
+        };
+        let edit = Edit {
+            flow: flow::LIGHT,
+            source: shape,
+            to_unit,
+            from_unit: from,
+            map,
+            inverse,
+            factor: read_factor(object)?,
+            keeps_energy,
+        };
+        Ok((edit, text))
+    }
 }
 
 /// The edits that stand in a file, in their order.
@@ -97,75 +221,27 @@ fn edits_of(root: &Object) -> Vec<Arc<Object>> {
     edits.map(|child| child.object.clone()).collect()
 }
 
-/// The record of an edit but for its flow, and its selection.
-fn read(
-    object: &Object,
-    options: &BuildOptions,
-    tables: &Tables<'_>,
-    names: &SceneNames,
-) -> Result<(Edit, String), SceneError> {
-    if object.plugin != "retarget" {
-        let message = format!("there is no edit \"{}\"; known is retarget", object.plugin);
-        return Err(object.error(message));
+/// That no property of an edit is without effect.
+fn check_properties(object: &Object) -> Result<(), SceneError> {
+    let has = |name: &str| object.properties.contains(name);
+    let refuse = |name: &str, message: &str| Err(object.property_error(name, message));
+    let is_mapped = has("target") || has("map");
+    if has("selection") && has("flow") {
+        return refuse("flow", "the selection says which flow is turned");
     }
-    let selection = object.get_string("selection", "")?.to_owned();
-    let own_flow = object.get_string("flow", "light")?;
-    let text = match (selection.as_str(), own_flow) {
-        ("", "light") => ALL_LIGHT.to_owned(),
-        ("", "importance") => ALL_IMPORTANCE.to_owned(),
-        (_, "light" | "importance") => selection,
-        (_, other) => {
-            let message = format!("expected light or importance, found \"{other}\"");
-            return Err(object.property_error("flow", message));
-        }
-    };
-    let (shape, from_unit) = read_source(object, tables, names)?;
-    let (from, to_unit) = match &from_unit {
-        Some(matrix) => {
-            let (rows, inverse) = rows_and_inverse(matrix)
-                .map_err(|e| object.property_error("source", e.to_string()))?;
-            (rows, inverse)
-        }
-        None => (IDENTITY, IDENTITY),
-    };
-    let target = transform_at(object, "target", options.edit_time)?;
-    let map = transform_at(object, "map", options.edit_time)?;
-    let (name, matrix) = match (target, map) {
-        (Some(_), Some(_)) => {
-            return Err(object.property_error("map", "takes either \"target\" or \"map\""));
-        }
-        (Some(target), None) => {
-            let Some(from) = &from_unit else {
-                let message = "a target needs a source; a map does not";
-                return Err(object.property_error("target", message));
-            };
-            ("target", target * from.inverse())
-        }
-        (None, Some(map)) => ("map", map),
-        (None, None) => ("map", DMat4::IDENTITY),
-    };
-    let matrix = snapped_to_identity(matrix);
-    let (map, inverse) =
-        rows_and_inverse(&matrix).map_err(|e| object.property_error(name, e.to_string()))?;
-    let keeps_energy = match object.get_string("keep", "radiance")? {
-        "radiance" => 0,
-        "energy" => 1,
-        other => {
-            let message = format!("expected radiance or energy, found \"{other}\"");
-            return Err(object.property_error("keep", message));
-        }
-    };
-    let edit = Edit {
-        flow: flow::LIGHT,
-        source: shape,
-        to_unit,
-        from_unit: from,
-        map,
-        inverse,
-        factor: read_factor(object)?,
-        keeps_energy,
-    };
-    Ok((edit, text))
+    if has("saturation") && !has("hue") {
+        return refuse("saturation", "it is that of a hue, which is not given");
+    }
+    if has("keep") && !is_mapped {
+        let message = "it says what a target or a map keeps, and there is neither";
+        return refuse("keep", message);
+    }
+    let places_source =
+        (object.properties.get("source")).is_some_and(|p| !matches!(p.value, Value::String(_)));
+    if has("shape") && !places_source {
+        return refuse("shape", "it is that of a source which a transform places");
+    }
+    Ok(())
 }
 
 /// The kind of a source, and the map that places its cube or ball.

@@ -26,7 +26,7 @@ mod value_range;
 
 use crate::expression::{PartsError, PartsRequest, PathParts, SceneNames};
 use crate::film::aov::AovSet;
-use crate::integrators::{divides_paths, turns_paths};
+use crate::integrators::divides_paths;
 use crate::scene::edits::SceneEdits;
 use crate::scene::error::{SceneError, Warning};
 use crate::scene::tables::SceneTables;
@@ -88,7 +88,7 @@ impl Scene {
         ]
         .contains(&self.settings.kind);
         if !request.is_empty() && is_merged && !self.edits.is_empty() {
-            return Err(PartsError::EditedPhotons);
+            return Err(PartsError::EditedPhotons(self.integrator.clone()));
         }
         self.parts = PathParts::new(request, &self.tables.view(), &self.names)?;
         Ok(())
@@ -116,8 +116,13 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
     if let Some((what, most)) = builder.tables.view().oversized() {
         return Err(root.error(format!("the scene has more than {most} {what}")));
     }
-    let edits = edits::build(root, options, &builder.tables.view(), &builder.names)?;
-    check_edits(root, &edits, &integrator)?;
+    let edits = edits::EditReader {
+        options,
+        integrator: &integrator,
+        tables: &builder.tables.view(),
+        names: &builder.names,
+    };
+    let edits = edits.build(root)?;
     warn_unused(root)?;
     let settings = integrator.settings_in(builder.tables.info.radius);
     Ok(Scene {
@@ -135,30 +140,6 @@ pub fn build_scene(parsed: &ParsedScene, options: &BuildOptions) -> Result<Scene
         warnings: parsed.warnings(),
         plugins: count_plugins(root),
     })
-}
-
-/// That the algorithm renders edits, if there are any.
-fn check_edits(
-    root: &Object,
-    edits: &SceneEdits,
-    integrator: &integrator::Integrator,
-) -> Result<(), SceneError> {
-    let settings = &integrator.settings;
-    if edits.is_empty() {
-        return Ok(());
-    }
-    if !turns_paths(settings) {
-        return Err(root.error(format!(
-            "edits of light transport are not for {}: use path, ptracer, bdpt, sppm, vcm, vm or one of the Metropolis family",
-            integrator.name
-        )));
-    }
-    if settings.regularization.is_some() {
-        return Err(
-            root.error("edits turn paths as they are, not those that regularisation has spread")
-        );
-    }
-    Ok(())
 }
 
 /// Settings and name of the integrator that a scene of a radius would be built with.

@@ -15,8 +15,8 @@ pub struct BuildOptions {
     pub sensor: usize,
     /// A file with edits of light transport.
     pub edit: Option<PathBuf>,
-    /// The moment of their keyframes.
-    pub edit_time: f64,
+    /// The moment of their keyframes, if it is given.
+    pub edit_time: Option<f64>,
 }
 
 /// A rectangle of pixels.

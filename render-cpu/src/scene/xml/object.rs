@@ -237,6 +237,13 @@ impl Object {
     ) -> Result<(), SceneError> {
         self.diagnostics.warn(location, element, message)
     }
+    /// Where one of its properties stands, and the element as a person would quote it; of the object when there is none of that name.
+    pub fn property_place(&self, name: &str) -> (&Location, String) {
+        match self.properties.get(name) {
+            Some(property) => (&property.location, property.element()),
+            None => (&self.location, self.element()),
+        }
+    }
     /// An error at one of its properties, or at the object when there is none of that name.
     pub fn property_error(&self, name: &str, message: impl Into<String>) -> SceneError {
         match self.properties.get(name) {

@@ -32,10 +32,12 @@ pub fn base_and_coat(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3) -> (Rgb, Rgb
     let transmitted = transmitted_share(lobe, data, wi.z) * transmitted_share(lobe, data, wo.z);
     let absorbed = plastic::absorption(lobe, wi.z) * plastic::absorption(lobe, wo.z);
     let base = plastic::base(lobe) * absorbed * transmitted;
+    // Evaluated before the test, so that loops over lanes stay without branches.
+    let coat = coat_reflection::eval(lobe, wi, wo);
     if wi.z <= 0.0 || wo.z <= 0.0 {
         (Vec3::ZERO, Vec3::ZERO)
     } else {
-        (base, coat_reflection::eval(lobe, wi, wo))
+        (base, coat)
     }
 }
 

@@ -223,6 +223,9 @@ impl RenderArgs {
         for (name, counts) in film.chain_counts().iter() {
             tracing::info!("{}", describe(name, counts));
         }
+        if let Some(rays) = film.chain_counts().rays_per_mutation() {
+            tracing::info!("{rays:.2} rays per mutation");
+        }
     }
 
     /// What a run took, as JSON.
@@ -253,6 +256,7 @@ impl RenderArgs {
             "passes": state.passes,
             "relative_noise": film.relative_noise(),
             "mutations": film.chain_counts().json(),
+            "rays_per_mutation": film.chain_counts().rays_per_mutation(),
             "warnings": scene.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
     }

@@ -8,11 +8,25 @@ use serde::{Deserialize, Serialize};
 
 /// Counts of mutations by name.
 #[derive(Clone, Debug, Default)]
-pub struct ChainCounts(Vec<(String, MutationCounts)>);
+pub struct ChainCounts {
+    mutations: Vec<(String, MutationCounts)>,
+    /// Rays of all mutations.
+    rays: u64,
+}
+
+/// Counts in a checkpoint.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KeptCounts {
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    mutations: Vec<CheckpointCounts>,
+    /// Rays of those mutations.
+    #[serde(default)]
+    mutation_rays: u64,
+}
 
 /// The counts of a mutation in a checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CheckpointCounts {
+struct CheckpointCounts {
     name: String,
     /// Proposed, lit, accepted; walks, found, irreversible, iterations, iterations of found, jumps, accepted jumps, tested.
     numbers: [u64; 11],
@@ -30,26 +44,40 @@ impl ChainCounts {
         if counts.proposed == 0 {
             return;
         }
-        match self.0.iter_mut().find(|(known, _)| *known == name) {
+        match self.mutations.iter_mut().find(|(known, _)| *known == name) {
             Some((_, sum)) => sum.merge(counts),
-            None => self.0.push((name.to_owned(), *counts)),
+            None => self.mutations.push((name.to_owned(), *counts)),
         }
     }
 
     /// Adds those of another film.
     pub fn merge(&mut self, other: &ChainCounts) {
-        for (name, counts) in &other.0 {
+        for (name, counts) in &other.mutations {
             self.add(name, counts);
         }
+        self.add_rays(other.rays);
+    }
+
+    /// Adds rays of mutations.
+    pub fn add_rays(&mut self, rays: u64) {
+        self.rays += rays;
+    }
+
+    /// Rays for each proposal, nothing without chains.
+    pub fn rays_per_mutation(&self) -> Option<f64> {
+        let proposed: u64 = self.iter().map(|(_, counts)| counts.proposed).sum();
+        (proposed > 0).then(|| self.rays as f64 / proposed as f64)
     }
 
     /// Those of each mutation.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &MutationCounts)> {
-        self.0.iter().map(|(name, counts)| (name.as_str(), counts))
+        self.mutations
+            .iter()
+            .map(|(name, counts)| (name.as_str(), counts))
     }
 
     /// For a checkpoint.
-    pub fn kept(&self) -> Vec<CheckpointCounts> {
+    pub fn kept(&self) -> KeptCounts {
         let kept = |(name, c): (&str, &MutationCounts)| {
             let w = &c.walks;
             CheckpointCounts {
@@ -69,13 +97,19 @@ impl ChainCounts {
                 ],
             }
         };
-        self.iter().map(kept).collect()
+        KeptCounts {
+            mutations: self.iter().map(kept).collect(),
+            mutation_rays: self.rays,
+        }
     }
 
     /// From a checkpoint.
-    pub fn of_kept(kept: &[CheckpointCounts]) -> ChainCounts {
-        let mut counts = ChainCounts::default();
-        for CheckpointCounts { name, numbers } in kept {
+    pub fn of_kept(kept: &KeptCounts) -> ChainCounts {
+        let mut counts = ChainCounts {
+            rays: kept.mutation_rays,
+            ..ChainCounts::default()
+        };
+        for CheckpointCounts { name, numbers } in &kept.mutations {
             let [proposed, lit, accepted, walks @ ..] = *numbers;
             let [
                 walks,
@@ -110,7 +144,7 @@ impl ChainCounts {
 
     /// As JSON, or nothing without chains.
     pub fn json(&self) -> Option<serde_json::Value> {
-        let entries = self.0.iter().map(|(name, counts)| {
+        let entries = self.mutations.iter().map(|(name, counts)| {
             let walks = &counts.walks;
             let mut entry = serde_json::json!({
                 "proposed": counts.proposed,
@@ -131,7 +165,7 @@ impl ChainCounts {
             }
             (name.clone(), entry)
         });
-        (!self.0.is_empty()).then(|| serde_json::Value::Object(entries.collect()))
+        (!self.mutations.is_empty()).then(|| serde_json::Value::Object(entries.collect()))
     }
 }
 

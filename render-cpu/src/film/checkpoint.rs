@@ -21,7 +21,7 @@
 
 use crate::atomic_file::{WriteError, write_atomically};
 use crate::film::aov::AovSet;
-use crate::film::chain_counts::{ChainCounts, CheckpointCounts};
+use crate::film::chain_counts::{ChainCounts, KeptCounts};
 use crate::film::pending_samples::PendingSamples;
 use crate::film::{Film, FilmError, PixelStatistics};
 use serde::{Deserialize, Serialize};
@@ -77,9 +77,8 @@ struct Header {
     /// Samples per pixel of a pass that was cut.
     #[serde(default)]
     owed_per_pixel: u32,
-    /// What became of the mutations of chains.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    mutations: Vec<CheckpointCounts>,
+    #[serde(flatten)]
+    chains: KeptCounts,
 }
 
 /// Why a checkpoint cannot be used.
@@ -148,7 +147,7 @@ pub fn write_checkpoint(
             .collect(),
         parts: film.parts().to_vec(),
         owed_per_pixel: film.pending().map_or(0, |pending| pending.per_pixel),
-        mutations: film.chain_counts().kept(),
+        chains: film.chain_counts().kept(),
     };
     let version = match film.pending() {
         Some(_) => VERSION_WITH_OWED,
@@ -371,7 +370,7 @@ pub fn read_checkpoint(
             counts,
         });
     }
-    *film.chain_counts_mut() = ChainCounts::of_kept(&header.mutations);
+    *film.chain_counts_mut() = ChainCounts::of_kept(&header.chains);
     let computed = checksum.sum();
     stream.read_exact(&mut word).map_err(read_error)?;
     if u32::from_le_bytes(word) != computed {

@@ -88,6 +88,8 @@ fn names_of_plugins_choose_mutations() {
             vec!["bidirectional", mutation]
         };
         assert_eq!(names, expected, "{integrator}");
+        let rays = report["rays_per_mutation"].as_f64();
+        assert!(rays > Some(1.0) && rays < Some(100.0), "{rays:?}");
     }
 }
 

@@ -7,6 +7,7 @@
 
 use super::super::splat::{Splat, SplatFilter};
 use super::super::stop::Stop;
+use super::counted_rays::rays_of_thread;
 use crate::film::ChainSteps;
 use halflight_kernel::transport::markov::ChainAlgorithm;
 use halflight_kernel::transport::markov::algorithm::{MutationCounts, StepRecord};
@@ -51,6 +52,8 @@ pub struct GroupImage {
     pub sums: Vec<Vec<[f64; 3]>>,
     /// What became of each kind of mutation.
     pub counts: Vec<MutationCounts>,
+    /// Rays of the mutations.
+    pub rays: u64,
     /// What became of the mutations of the paths that each pixel sees, if that was asked for.
     pub steps: Option<Vec<ChainSteps>>,
 }
@@ -69,6 +72,8 @@ struct Task<C> {
     /// Each with the image that it falls on.
     bands: Vec<Vec<(u32, Splat)>>,
     records: Vec<StepRecord>,
+    /// Rays of all its mutations.
+    rays: u64,
 }
 
 /// Runs a group for a window of `width` x `height` pixels. None when it must stop before.
@@ -83,6 +88,7 @@ pub fn run<A: ChainAlgorithm>(
     let mut image = GroupImage {
         sums: vec![vec![[0.0; 3]; pixels]; plan.images],
         counts: vec![MutationCounts::default(); algorithm.mutations().len()],
+        rays: 0,
         steps: plan.with_steps.then(|| vec![ChainSteps::default(); pixels]),
     };
     let candidates = weigh(algorithm, plan.candidates);
@@ -102,6 +108,7 @@ pub fn run<A: ChainAlgorithm>(
                 chain: algorithm.start(start.candidate, start.member, number),
                 bands: vec![Vec::new(); bands],
                 records: Vec::new(),
+                rays: 0,
             })
             .collect();
         let mut done = 0;
@@ -120,6 +127,7 @@ pub fn run<A: ChainAlgorithm>(
                     chain,
                     bands,
                     records,
+                    rays,
                 } = task;
                 bands.iter_mut().for_each(Vec::clear);
                 records.clear();
@@ -136,12 +144,14 @@ pub fn run<A: ChainAlgorithm>(
                         }
                     }
                 };
+                let rays_before = rays_of_thread();
                 for _ in 0..round {
                     algorithm.step(chain, b, &mut add);
                     if plan.with_steps {
                         records.extend(A::last_step(chain));
                     }
                 }
+                *rays += rays_of_thread() - rays_before;
                 if is_last {
                     algorithm.finish(chain, b, &mut add);
                 }
@@ -163,6 +173,7 @@ pub fn run<A: ChainAlgorithm>(
             }
         }
         for task in &tasks {
+            image.rays += task.rays;
             for (sum, counts) in image.counts.iter_mut().zip(A::counts(&task.chain)) {
                 sum.merge(counts);
             }

@@ -10,6 +10,7 @@
 //! ([`halflight_kernel::transport::settings::ChainSettings::mutations_per_pixel`]): a second or so of one processor. What users
 //! ask for, as samples per pixel, are mutations per pixel; [`MutationsPerPixel`] converts.
 
+mod counted_rays;
 mod first_stage;
 mod group;
 mod path_tracing;
@@ -25,6 +26,7 @@ use crate::film::aov::Aov;
 use crate::film::chain_counts::describe;
 use crate::integrators::{Shape, shape};
 use crate::scene::build::Scene;
+use counted_rays::CountedRays;
 use first_stage::{PILOT, first_stage};
 use glam::Vec3;
 use group::{GroupImage, GroupPlan};
@@ -137,6 +139,11 @@ pub(super) fn render_groups<T: Traverse + Sync>(
         None
     };
     let path_tracing = path_tracing.as_ref();
+    let traverse = CountedRays(view.traverse);
+    let view = &SceneView {
+        tables: view.tables,
+        traverse: &traverse,
+    };
     let is_primary = settings.kind == integrator_kind::PRIMARY_SAMPLE_MLT;
     let expressions = followed.division.map(|division| division.expressions);
     let space = PrimarySpace::new(view, settings, chain_settings.technique, min_edges)
@@ -244,6 +251,12 @@ impl<T: Traverse + Sync> GroupJob<'_, T> {
             }
             film.chain_counts_mut().add(name, counts);
         }
+        tracing::debug!(
+            "group {group}: {} rays, {} bytes for each chain",
+            image.rays,
+            size_of::<A::Chain>()
+        );
+        film.chain_counts_mut().add_rays(image.rays);
         let scale = f64::from(pixels) / (f64::from(steps) * f64::from(chains));
         self.add_to_film(film, &image, scale);
         true

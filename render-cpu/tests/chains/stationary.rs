@@ -34,27 +34,11 @@ const GROUPS: u32 = 400;
 /// Candidates of a group.
 const CANDIDATES: u32 = 256;
 
-/// How much is followed in each group.
-#[derive(Clone, Copy)]
-struct Lengths {
-    chains: u32,
-    /// Of each chain.
-    steps: u32,
-}
-
-impl Lengths {
-    /// As the environment wants it.
-    fn new() -> Lengths {
-        match std::env::var("HALFLIGHT_CHAIN_STEPS") {
-            Ok(steps) => Lengths {
-                chains: 1,
-                steps: steps.parse().expect("HALFLIGHT_CHAIN_STEPS: a number"),
-            },
-            Err(_) => Lengths {
-                chains: 8,
-                steps: 64 * effort(),
-            },
-        }
+/// Chains of a group and steps of each, as the environment wants them.
+fn lengths() -> [u32; 2] {
+    match std::env::var("HALFLIGHT_CHAIN_STEPS") {
+        Ok(steps) => [1, steps.parse().expect("HALFLIGHT_CHAIN_STEPS: a number")],
+        Err(_) => [8, 64 * effort()],
     }
 }
 
@@ -121,11 +105,7 @@ fn of_pairs(group: &Group, cell: Cell) -> Vec<f64> {
 }
 
 /// Runs a group; nothing where it finds no light.
-fn run<A: ChainAlgorithm>(
-    algorithm: &A,
-    group: u32,
-    Lengths { chains, steps }: Lengths,
-) -> Option<Group> {
+fn run<A: ChainAlgorithm>(algorithm: &A, group: u32, [chains, steps]: [u32; 2]) -> Option<Group> {
     let mut found = Vec::new();
     for candidate in 0..CANDIDATES {
         let mut member = 0;
@@ -234,7 +214,7 @@ fn keeps<A: ChainAlgorithm>(
     partitions: &[(&str, Cell)],
     algorithm: impl Fn(u32) -> A + Sync,
 ) -> Vec<Result<(), String>> {
-    let lengths = Lengths::new();
+    let lengths = lengths();
     let groups: Vec<Group> = (0..GROUPS)
         .into_par_iter()
         .filter_map(|group| run(&algorithm(group), group, lengths))
@@ -243,7 +223,7 @@ fn keeps<A: ChainAlgorithm>(
         .iter()
         .flat_map(|g| &g.states)
         .filter(|[a, b]| a != b);
-    let (moved, all) = (moved.count(), groups.len() * lengths.chains as usize);
+    let (moved, all) = (moved.count(), groups.len() * lengths[0] as usize);
     let mut results = Vec::new();
     for (name, cell) in partitions {
         let of_states: Vec<_> = groups.iter().map(|g| of_cells(g, *cell)).collect();

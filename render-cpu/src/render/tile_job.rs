@@ -158,7 +158,7 @@ impl<T: Traverse> TileJob<'_, T> {
                     let taken = self.push(workspace, pixel, left, first, new);
                     workspace.runs.push(Run { x, y, count: taken });
                     if self.needs_surface {
-                        workspace.samplers.extend((done..done + taken).map(new));
+                        workspace.samplers.extend((0..taken).map(new));
                     }
                     done += taken;
                     if workspace.is_full() {

@@ -37,7 +37,7 @@ impl PhotonArgs {
             || kind == integrator_kind::VERTEX_MERGING;
         if is_used && !has_photons {
             return Err(
-                "--photons and --radius are for photon mapping (--integrator sppm or vcm)"
+                "--photons and --radius are for photon mapping (--integrator sppm, appm, mcppm, vcm, vm or bpm)"
                     .to_string(),
             );
         }

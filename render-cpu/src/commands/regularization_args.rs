@@ -9,7 +9,8 @@ use halflight_kernel::transport::settings::RegularizationSettings;
 #[derive(Args, Clone, Debug)]
 pub struct RegularizationArgs {
     /// Blur shiny materials where paths are connected, less with every sample, so that light behind them is found: tau=T is the
-    /// largest value of a BSDF in the first sample (10 to 100, higher is sharper and noisier); constant keeps it; quality,
+    /// largest value of a BSDF in the first sample (10 to 100, higher is sharper and noisier); lambda says how fast it grows, constant
+    /// keeps it; quality,
     /// fade=F and diffusion leave alone what needs no blur; virtual and lights=all are for path; weights=plain is for comparison; tau=inf switches it off.
     #[arg(help_heading = "Algorithm", long, value_name = "tau=T,..", value_parser = parse_regularize, conflicts_with = "mollify")]
     pub regularize: Option<RegularizationSettings>,

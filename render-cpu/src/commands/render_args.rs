@@ -50,7 +50,8 @@ pub struct RenderArgs {
     /// Spend samples where the error is.
     #[arg(help_heading = "Samples", long)]
     pub adaptive: bool,
-    /// Layers to write beside the image: albedo, normal, depth, position, uv, alpha, variance, samples, or all.
+    /// Layers to write beside the image: albedo, normal, depth, position, uv, alpha, variance, samples, or all for these;
+    /// regularization, bandwidth, acceptance, iterations, jumps and mutations where an algorithm has them.
     #[arg(help_heading = "Image", long, value_name = "LIST", value_delimiter = ',', value_parser = parse_aov)]
     pub aov: Vec<AovSet>,
     /// Save the state of the run here now and then, and when it ends; if it is there already, go on from it.

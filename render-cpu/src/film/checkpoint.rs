@@ -239,7 +239,10 @@ pub fn settings_differences(checkpoint: &Settings, run: &Settings) -> String {
             (Some(a), Some(b)) if a == b || name == SCENE => {}
             (None, None) => {}
             _ if name.ends_with(DIGEST) => {
-                digests.push(format!("the {} differs", name.trim_end_matches(DIGEST)));
+                digests.push(format!(
+                    "they differ in the {}",
+                    name.trim_end_matches(DIGEST)
+                ));
             }
             (Some(a), Some(b)) => differences.push(format!("{name} is {a} there and {b} here")),
             (Some(a), None) => differences.push(format!("{name} is {a} there and not set here")),

@@ -6,7 +6,7 @@
 //!
 //! n = sum n_i,  m = sum n_i m_i / n,  M = sum M_i + sum n_i (m_i - m)^2,  V = M / (n (n - 1)).
 //!
-//! All other layers are means over the same samples and are weighted alike. Images must be of the same scene and algorithm, by
+//! All other layers are means over the same samples and are weighted alike, or can be made such ([`super::merge_shares`]). Images must be of the same scene and algorithm, by
 //! the digest and the settings that they carry, and must hold different samples: two images of one seed with overlapping sample
 //! ranges are not independent, and their merged image would claim more than it knows. Crops of one image come to their places
 //! in it; they may hold the same samples where they have no pixel in common.
@@ -21,6 +21,7 @@ use crate::image::merge_error::MergeError;
 use crate::image::merge_layers::{
     SAMPLES, VARIANCE, deviations, metadata, sample_counts, to_f64, variance_of, window,
 };
+use crate::image::merge_shares::{from_means, to_means};
 use crate::image::metadata::{ImageMetadata, join_ranges};
 use crate::image::window::Window;
 use std::collections::{BTreeMap, BTreeSet};
@@ -63,7 +64,7 @@ impl Merger {
             if channel == SAMPLES || channel.starts_with(VARIANCE) {
                 continue;
             }
-            let mean = to_f64(name, values, width)?;
+            let mean = to_f64(name, &to_means(image, channel, values), width)?;
             let m2 = image
                 .channel(&variance_of(channel))
                 .map(|v| deviations(name, v, &counts, width))
@@ -122,7 +123,8 @@ impl Merger {
                 others.push(None);
                 continue;
             };
-            let mean = to_f64(name, values, window.width as usize)?;
+            let means = to_means(image, &channel.name, values);
+            let mean = to_f64(name, &means, window.width as usize)?;
             let m2 = image.channel(&variance_of(&channel.name));
             let m2 = m2
                 .map(|v| deviations(name, v, &counts, window.width as usize))
@@ -189,8 +191,12 @@ impl Merger {
     }
 
     /// The merged image.
-    pub fn finish(self) -> LayeredImage {
+    pub fn finish(mut self) -> LayeredImage {
         let pixels = self.counts.len();
+        let mut found: BTreeMap<&str, &mut Vec<f64>> = (self.channels.iter_mut())
+            .map(|c| (c.name.as_str(), &mut c.mean))
+            .collect();
+        from_means(|name| found.remove(name));
         let mut channels = Vec::new();
         for channel in self.channels {
             if let Some(m2) = channel.m2 {

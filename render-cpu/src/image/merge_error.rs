@@ -32,7 +32,7 @@ pub enum MergeError {
         scene: String,
     },
     /// They differ in what is known by its digest alone.
-    #[error("{name} and {first} are not shares of one image: the {what} differs")]
+    #[error("{name} and {first} are not shares of one image: they differ in the {what}")]
     OtherContent {
         /// The image.
         name: String,

@@ -13,6 +13,7 @@ pub mod exr_read;
 pub mod merge;
 pub mod merge_error;
 mod merge_layers;
+mod merge_shares;
 pub mod metadata;
 mod pfm;
 pub mod picture;

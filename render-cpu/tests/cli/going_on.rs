@@ -57,7 +57,7 @@ fn a_checkpoint_is_never_replaced_by_another_run() {
         ),
         (
             &["blue.xml", "--checkpoint", "c"],
-            "the content of the scene differs",
+            "they differ in the content of the scene",
         ),
         (
             &["scene.xml", "--checkpoint", "c", "--integrator", "bdpt"],

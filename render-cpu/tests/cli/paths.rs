@@ -182,7 +182,7 @@ fn images_and_checkpoints_of_other_edits_are_refused_in_words() {
     let again = ["--spp", "2", "--checkpoint", "c", "-o", "b.exr"];
     let text = refused(&place, &render("three.xml", &again));
     assert!(
-        text.contains("another render: the content of edit 1 differs; it is not"),
+        text.contains("another render: they differ in the content of edit 1; it is not"),
         "{text}"
     );
     let text = refused(&place, &render("other.xml", &again));
@@ -198,7 +198,9 @@ fn images_and_checkpoints_of_other_edits_are_refused_in_words() {
     place.succeed(&render("three.xml", &["--samples", "1..2", "-o", "b.exr"]));
     let text = refused(&place, &["merge", "a.exr", "b.exr", "-o", "m.exr"]);
     assert!(
-        text.contains("b.exr and a.exr are not shares of one image: the content of edit 1 differs"),
+        text.contains(
+            "b.exr and a.exr are not shares of one image: they differ in the content of edit 1"
+        ),
         "{text}"
     );
     place.succeed(&render("other.xml", &["--samples", "1..2", "-o", "b.exr"]));

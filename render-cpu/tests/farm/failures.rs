@@ -146,7 +146,7 @@ fn another_scene_is_refused() {
     assert!(
         error
             .to_string()
-            .contains("the content of the scene differs"),
+            .contains("they differ in the content of the scene"),
         "{error}"
     );
 }

@@ -40,7 +40,7 @@ pub fn refusal(settings: &IntegratorSettings) -> Option<String> {
         None
     } else if !can_be_regularized(settings) {
         Some(format!(
-            "regularize and mollify are for algorithms that connect paths: {}",
+            "regularize and mollify are for {}",
             regularized_names()
         ))
     } else if regularization.flags & of_path != 0 && settings.kind != integrator_kind::PATH {
@@ -109,6 +109,7 @@ type Parse = fn(&str) -> Result<RegularizationSettings, String>;
 /// # Errors
 /// What was expected.
 pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
+    has_once(text, "tau")?;
     let mut regularization = RegularizationSettings::NONE;
     for word in text.split(',').map(str::trim) {
         match word.split_once('=') {
@@ -144,6 +145,7 @@ pub fn parse_regularize(text: &str) -> Result<RegularizationSettings, String> {
 /// # Errors
 /// What was expected.
 pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
+    has_once(text, "r0")?;
     let mut regularization = RegularizationSettings::NONE;
     let mut rate = None;
     for word in text.split(',').map(str::trim) {
@@ -168,7 +170,7 @@ pub fn parse_mollify(text: &str) -> Result<RegularizationSettings, String> {
             }
             Some(("quantile", value)) => {
                 regularization.quantile = number(value, |v| v > 0.0 && v <= 1.0)
-                    .ok_or("quantile is a share above 0, 1 for none")?
+                    .ok_or("quantile is a share above 0, at most 1, which is for none")?
                     as f32;
             }
             Some(("kernel", name)) => {
@@ -212,9 +214,26 @@ fn shared(
     Ok(())
 }
 
+/// That the first of all words is there, and none of them twice.
+fn has_once(text: &str, first: &str) -> Result<(), String> {
+    let mut names: Vec<&str> = text
+        .split(',')
+        .map(|w| w.split('=').next().unwrap_or(w).trim())
+        .collect();
+    names.sort_unstable();
+    match names.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(format!("{} is there twice", pair[0])),
+        None if !names.contains(&first) => {
+            let example = if first == "tau" { "tau=30" } else { "r0=1%" };
+            Err(format!("{first} is missing, as in {example}"))
+        }
+        None => Ok(()),
+    }
+}
+
 fn exponent(text: &str) -> Result<f32, &'static str> {
     let exponent = number(text, |v| is_consistent(v as f32, DIMENSIONS));
-    Ok(exponent.ok_or("lambda lies between 0 and 1/2")? as f32)
+    Ok(exponent.ok_or("lambda lies above 0 and below 1/2")? as f32)
 }
 
 fn number(text: &str, holds: impl Fn(f64) -> bool) -> Option<f64> {
@@ -260,16 +279,20 @@ mod tests {
         for (text, part) in [
             ("tau=0.1", "0.16"),
             ("tau", "\"tau\""),
-            ("r0=1%", "\"r0=1%\""),
+            ("tau=30,r0=1%", "\"r0=1%\""),
+            ("quality", "tau is missing"),
+            ("tau=30,tau=40", "twice"),
         ] {
             let error = parse_regularize(text).unwrap_err();
             assert!(error.contains(part), "{error}");
         }
         for (text, part) in [
             ("r0=-1", "length"),
-            ("lambda=0.5", "1/2"),
-            ("gamma=1.5", "0.9999"),
-            ("kernel=x", "perlin"),
+            ("lambda=0.2", "r0 is missing"),
+            ("r0=1%,lambda=0.5", "1/2"),
+            ("r0=1%,gamma=1.5", "0.9999"),
+            ("r0=1%,kernel=x", "perlin"),
+            ("r0=1%,r0=2%", "twice"),
         ] {
             let error = parse_mollify(text).unwrap_err();
             assert!(error.contains(part), "{error}");

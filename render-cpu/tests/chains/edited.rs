@@ -102,7 +102,7 @@ fn chains_of_every_light_have_the_edited_image() {
         results.extend(agree_with(what, &content, kind, &all));
     }
     // Light walks that start all over the scene find few caustics of it.
-    let content = [PINHOLE, &room, parallel, BLEEDING, REFLECTION];
+    let content = [PINHOLE, &room, parallel, BLEEDING];
     let kind = integrator_kind::PATH;
     results.extend(agree_with("directional", &content, kind, &all));
     report(results);

@@ -143,8 +143,13 @@ fn files_of_parts_merge_to_the_file_of_the_whole() {
 fn shares_of_regularised_light_are_those_of_all_samples() {
     let folder = tempfile::tempdir().unwrap();
     let of = |name: &str, samples: std::ops::Range<u32>| {
-        let mut film =
-            Film::new(3, 1, [0, 0], [Aov::Regularization].into_iter().collect()).unwrap();
+        let mut film = Film::new(
+            3,
+            1,
+            [0, 0],
+            [Aov::Regularization, Aov::Samples].into_iter().collect(),
+        )
+        .unwrap();
         for x in 0..3 {
             for i in samples.clone() {
                 // The first pixel has regularised light in its last samples only, the last has none.

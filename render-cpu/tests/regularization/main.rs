@@ -3,6 +3,7 @@
 mod full_paths;
 mod known_answers;
 mod layers;
+mod merged;
 mod near_specular;
 mod no_harm;
 mod panel;

@@ -6,7 +6,7 @@
 //!
 //! n = sum n_i,  m = sum n_i m_i / n,  M = sum M_i + sum n_i (m_i - m)^2,  V = M / (n (n - 1)).
 //!
-//! All other layers are means over the same samples and are weighted alike, or can be made such ([`super::merge_shares`]). Images must be of the same scene and algorithm, by
+//! All other layers are means over the same samples and are weighted alike, or can be made such (`merge_shares.rs`). Images must be of the same scene and algorithm, by
 //! the digest and the settings that they carry, and must hold different samples: two images of one seed with overlapping sample
 //! ranges are not independent, and their merged image would claim more than it knows. Crops of one image come to their places
 //! in it; they may hold the same samples where they have no pixel in common.

@@ -1,7 +1,7 @@
 //! Arguments of regularisation, instead of what the scene says.
 
 use crate::scene::build::Scene;
-use crate::scene::build::regularization::{parse_mollify, parse_regularize, refusal};
+use crate::scene::build::regularization::{EDITED, parse_mollify, parse_regularize, refusal};
 use clap::Args;
 use halflight_kernel::transport::settings::RegularizationSettings;
 
@@ -30,9 +30,7 @@ impl RegularizationArgs {
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         if let Some(asked) = self.regularize.or(self.mollify) {
             if asked.is_some() && !scene.edits.is_empty() {
-                let reason =
-                    "edits turn paths as they are, not those that regularisation has spread";
-                return Err(reason.to_string());
+                return Err(EDITED.to_string());
             }
             scene.settings.regularization = asked;
         }

@@ -7,6 +7,23 @@
 use super::aov::Aov;
 use super::{Film, luminance};
 
+/// What the layers of regularisation show: the share `sum` of the luminance `whole` that is regularised, and the mean of tau or of the
+/// radius whose logarithm, weighted by it, adds up to `logarithm`.
+pub fn share_and_scale(whole: f64, sum: f64, logarithm: f64) -> [f64; 2] {
+    let share = if whole > 0.0 {
+        // A filter has negative weights.
+        (sum / whole).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let scale = if sum > 0.0 {
+        (logarithm / sum).exp()
+    } else {
+        0.0
+    };
+    [share, scale]
+}
+
 /// Numbers of a colour.
 const CHANNELS: usize = 3;
 
@@ -58,12 +75,7 @@ impl Film {
                 let start = pixel * self.sums_per_pixel() + self.aovs.offset(aov);
                 let [sum, logarithm] = [0, 1].map(|i| self.aov_sums[start + i]);
                 let whole = luminance(statistics.mean) * f64::from(statistics.count);
-                match channel {
-                    // A filter has negative weights.
-                    0 if whole > 0.0 => (sum / whole).clamp(0.0, 1.0),
-                    1 if sum > 0.0 => (logarithm / sum).exp(),
-                    _ => 0.0,
-                }
+                share_and_scale(whole, sum, logarithm)[channel]
             }
             _ if !self.aovs.contains(aov) || statistics.count == 0 => 0.0,
             _ => {

@@ -21,6 +21,7 @@ use aov::AovSet;
 use chain_counts::ChainCounts;
 use pending_samples::PendingSamples;
 
+pub use layer_values::share_and_scale;
 pub use pixel_statistics::{PixelStatistics, luminance};
 pub use tile::{ChainSteps, FilmTile, PixelMut};
 

@@ -4,8 +4,7 @@
 //! logarithms, weighted by regularised light. Neither is a mean over samples; `l s` and `l s ln a` are. Images are merged in that form.
 
 use super::ExrImage;
-use glam::Vec3;
-use halflight_kernel::math::luminance;
+use crate::film::{luminance, share_and_scale};
 use std::borrow::Cow;
 
 const SHARE: &str = "regularization.share";
@@ -21,7 +20,7 @@ pub(super) fn to_means<'a>(
     let [Some(r), Some(g), Some(b), Some(share)] = parts else {
         return Cow::Borrowed(values);
     };
-    let regularized = |i: usize| share[i] * luminance(Vec3::new(r[i], g[i], b[i]));
+    let regularized = |i: usize| share[i] * luminance([r[i], g[i], b[i]].map(f64::from)) as f32;
     match channel {
         SHARE => Cow::Owned((0..values.len()).map(regularized).collect()),
         SCALE => {
@@ -40,29 +39,15 @@ pub(super) fn to_means<'a>(
 
 /// Turns merged means back into what the layers show; `channel` finds a channel's values.
 pub(super) fn from_means<'a>(mut channel: impl FnMut(&str) -> Option<&'a mut Vec<f64>>) {
-    let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) else {
+    let colours = ["R", "G", "B"].map(&mut channel);
+    let ([Some(r), Some(g), Some(b)], Some(share)) = (colours, channel(SHARE)) else {
         return;
     };
-    let whole = |i: usize| f64::from(luminance(Vec3::new(r[i] as f32, g[i] as f32, b[i] as f32)));
-    let Some(share) = channel(SHARE) else {
-        return;
-    };
-    if let Some(scale) = channel(SCALE) {
-        for (scale, sum) in scale.iter_mut().zip(share.iter()) {
-            *scale = if *sum > 0.0 {
-                (*scale / sum).exp()
-            } else {
-                0.0
-            };
-        }
-    }
-    for (i, share) in share.iter_mut().enumerate() {
-        let whole = whole(i);
-        // A filter has negative weights.
-        *share = if whole > 0.0 {
-            (*share / whole).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+    let mut none = Vec::new();
+    let scale = channel(SCALE).unwrap_or(&mut none);
+    scale.resize(share.len(), 0.0);
+    for (i, (share, scale)) in share.iter_mut().zip(scale).enumerate() {
+        let whole = luminance([r[i], g[i], b[i]]);
+        [*share, *scale] = share_and_scale(whole, *share, *scale);
     }
 }

@@ -70,42 +70,20 @@ impl PhotonWorkspace {
         edits: Option<&Edits<'_>>,
         samplers: &mut [S],
     ) -> PhotonList {
-        let mut list = PhotonList::default();
-        let mut states = Vec::new();
-        let mut edited = Vec::new();
-        self.walks.clear();
-        for sampler in samplers.iter_mut() {
-            let start = tracer.emit(sampler);
-            self.walks.push(Walk::from_emitter(&start), start.is_some());
-            if let Some(expressions) = expressions {
-                states.push(PathStates::at_emitter(expressions, start.emitter));
+        let emitters = self.emit(tracer, samplers);
+        let of = |emitter: &u32| expressions.map(|e| PathStates::at_emitter(e, *emitter));
+        let mut states: Vec<_> = emitters.iter().filter_map(of).collect();
+        let of = |emitter: &u32| edits.map(|e| EditStates::at_emitter(e, *emitter));
+        let mut edited: Vec<_> = emitters.iter().filter_map(of).collect();
+        self.follow(view, samplers, |i, bounce| match (expressions, edits) {
+            (_, Some(edits)) => {
+                retargeted::bounce::light_bounce(tracer, edits, &mut edited[i], bounce)
             }
-            if let Some(edits) = edits {
-                edited.push(EditStates::at_emitter(edits, start.emitter));
+            (None, None) => tracer.light_bounce(bounce),
+            (Some(expressions), None) => {
+                divided_light_bounce(tracer, expressions, &mut states[i], bounce)
             }
-        }
-        while !self.walks.is_done() {
-            let site = &mut *self.site;
-            self.walks.bounce(view, |i, walk, hit| {
-                let mut bounce = LightBounce {
-                    walk,
-                    sampler: &mut samplers[i],
-                    hit,
-                    site: &mut *site,
-                    store: &mut list,
-                };
-                match (expressions, edits) {
-                    (_, Some(edits)) => {
-                        retargeted::bounce::light_bounce(tracer, edits, &mut edited[i], &mut bounce)
-                    }
-                    (None, None) => tracer.light_bounce(&mut bounce),
-                    (Some(expressions), None) => {
-                        divided_light_bounce(tracer, expressions, &mut states[i], &mut bounce)
-                    }
-                }
-            });
-        }
-        list
+        })
     }
 
     /// The same with the vertices of their walks, for a regularisation that depends on full paths.
@@ -116,24 +94,43 @@ impl PhotonWorkspace {
         regularization: &Regularization,
         samplers: &mut [S],
     ) -> PhotonList {
-        let mut list = PhotonList::default();
         let mut last = vec![NONE; samplers.len()];
+        self.emit(tracer, samplers);
+        self.follow(view, samplers, |i, bounce| {
+            photon_bounce(tracer, regularization, &mut last[i], bounce)
+        })
+    }
+
+    /// Begins a light walk with the numbers of each of `samplers`; returns their emitters.
+    fn emit<S: LaneSampler>(&mut self, tracer: &PhotonTracer<'_>, samplers: &mut [S]) -> Vec<u32> {
         self.walks.clear();
-        for sampler in samplers.iter_mut() {
+        let start = |sampler: &mut S| {
             let start = tracer.emit(sampler);
             self.walks.push(Walk::from_emitter(&start), start.is_some());
-        }
+            start.emitter
+        };
+        samplers.iter_mut().map(start).collect()
+    }
+
+    /// Follows the walks to their ends; returns the photons that their bounces leave.
+    fn follow<T: Traverse, S: LaneSampler>(
+        &mut self,
+        view: &SceneView<'_, T>,
+        samplers: &mut [S],
+        mut bounce: impl FnMut(usize, &mut LightBounce<'_, S, PhotonList>) -> u32,
+    ) -> PhotonList {
+        let mut list = PhotonList::default();
         while !self.walks.is_done() {
             let site = &mut *self.site;
             self.walks.bounce(view, |i, walk, hit| {
-                let mut bounce = LightBounce {
+                let mut own = LightBounce {
                     walk,
                     sampler: &mut samplers[i],
                     hit,
                     site: &mut *site,
                     store: &mut list,
                 };
-                photon_bounce(tracer, regularization, &mut last[i], &mut bounce)
+                bounce(i, &mut own)
             });
         }
         list

@@ -14,6 +14,7 @@
 
 use super::integrator::Integrator;
 use super::options::BuildOptions;
+use super::regularization::EDITED;
 use crate::expression::SceneNames;
 use crate::expression::names::region;
 use crate::expression::selections::compile_selections;
@@ -135,8 +136,7 @@ impl EditReader<'_> {
             )));
         }
         if settings.regularization.is_some() {
-            let message = "edits turn paths as they are, not those that regularisation has spread";
-            return Err(object.error(message));
+            return Err(object.error(EDITED));
         }
         Ok(())
     }

@@ -10,6 +10,9 @@ use halflight_kernel::transport::markov::primary_space::technique;
 use halflight_kernel::transport::settings::ChainSettings;
 use halflight_kernel::transport::{IntegratorSettings, integrator_kind};
 
+/// Why edits and regularisation do not go together.
+pub const EDITED: &str = "edits turn paths as they are, not those that regularisation has spread";
+
 /// Dimensions of what is mollified: the direction at one vertex.
 const DIMENSIONS: u32 = 2;
 

@@ -9,7 +9,7 @@
 
 pub(crate) use super::lobe_frame::inner_pair;
 pub use super::lobe_frame::{exchange_ratio, is_active};
-pub(crate) use super::lobe_frame::{is_flipped, is_plain, mirrored};
+pub(crate) use super::lobe_frame::{is_flipped, is_plain, mirrored, pair_to_plain_model};
 
 use super::lobe_frame::{
     coats_albedo, from_model, pair_to_model, shadowing, to_model, value_factor,
@@ -164,8 +164,7 @@ pub(crate) mod plain {
         if !is_active(lobe.flags, wi) || wo.z == 0.0 {
             return Vec3::ZERO;
         }
-        let flip = is_flipped(lobe, wi);
-        let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+        let [wi, wo] = pair_to_plain_model(lobe, wi, wo);
         model::eval(lobe, data, wi, wo) * float::abs(wo.z)
     }
 
@@ -175,8 +174,7 @@ pub(crate) mod plain {
         if !is_active(lobe.flags, wi) || wo.z == 0.0 {
             return (Vec3::ZERO, 0.0);
         }
-        let flip = is_flipped(lobe, wi);
-        let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+        let [wi, wo] = pair_to_plain_model(lobe, wi, wo);
         (
             model::eval(lobe, data, wi, wo) * float::abs(wo.z),
             model::pdf(lobe, data, wi, wo),
@@ -219,8 +217,7 @@ pub(super) fn eval_pdf_both(lobe: &Lobe, wi: Vec3, wo: Vec3) -> BsdfValue {
     if !is_active(lobe.flags, wi) || !(wi.z * wo.z > 0.0) {
         return BsdfValue::ZERO;
     }
-    let flip = is_flipped(lobe, wi);
-    let (wi, wo) = (mirrored(flip, wi), mirrored(flip, wo));
+    let [wi, wo] = pair_to_plain_model(lobe, wi, wo);
     if lobe.kind == lobe_kind::DIFFUSE {
         BsdfValue {
             value: super::diffuse::eval(lobe, wi, wo),

@@ -99,6 +99,14 @@ pub(crate) fn mirrored(flip: bool, w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, select(flip, -w.z, w.z))
 }
 
+/// Both directions in the frame of the model of a plain lobe.
+#[cfg_attr(target_arch = "spirv", inline)]
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+pub(crate) fn pair_to_plain_model(lobe: &Lobe, wi: Vec3, wo: Vec3) -> [Vec3; 2] {
+    let flip = is_flipped(lobe, wi);
+    [mirrored(flip, wi), mirrored(flip, wo)]
+}
+
 /// Both directions in the frame of the model; the second is invalid where the lobe scatters nothing between them.
 #[inline]
 pub(super) fn pair_to_model(

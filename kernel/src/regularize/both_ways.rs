@@ -19,7 +19,7 @@ use glam::Vec3;
 /// Whether the lobe has another value below `tau` for some pair of directions.
 #[cfg_attr(target_arch = "spirv", inline)]
 #[cfg_attr(not(target_arch = "spirv"), inline(always))]
-pub(super) fn is_lobe_raised(lobe: &Lobe, tau: f32) -> bool {
+pub(crate) fn is_lobe_raised(lobe: &Lobe, tau: f32) -> bool {
     if lobe.kind == lobe_kind::THIN_DIELECTRIC {
         return true;
     }

@@ -61,8 +61,7 @@ pub(super) fn metal_both(
     if !lobe::is_active(lobe.flags, wi) || !(wi.z * wo.z > 0.0) {
         return BsdfValue::ZERO;
     }
-    let flip = lobe::is_flipped(lobe, wi);
-    let (wi, wo) = (lobe::mirrored(flip, wi), lobe::mirrored(flip, wo));
+    let [wi, wo] = lobe::pair_to_plain_model(lobe, wi, wo);
     let m = (wi + wo).normalize_or_zero();
     let cos_i = wi.dot(m);
     if wi.z <= 0.0 || cos_i <= 0.0 {
@@ -90,8 +89,7 @@ pub(super) fn glass_both(
     if !lobe::is_active(lobe.flags, wi) || wo.z == 0.0 {
         return BsdfValue::ZERO;
     }
-    let flip = lobe::is_flipped(lobe, wi);
-    let (wi, wo) = (lobe::mirrored(flip, wi), lobe::mirrored(flip, wo));
+    let [wi, wo] = lobe::pair_to_plain_model(lobe, wi, wo);
     let facets = raised_facets(lobe, wi.z * wo.z < 0.0, tau);
     let boundary = boundary_value(lobe, &facets, wi, wo);
     let colour = if boundary.reflection {

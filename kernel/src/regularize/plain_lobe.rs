@@ -10,16 +10,10 @@ use crate::math::Rgb;
 use crate::scene::lobe_kind;
 use glam::Vec3;
 
-/// Whether the lobe is regularised below `tau` at all.
-#[inline(always)]
-pub fn is_raised(lobe: &Lobe, tau: f32) -> bool {
-    is_lobe_raised(lobe, tau)
-}
-
 /// f_hat |cos| and p_hat; f |cos| and p of a lobe that is not raised.
 #[inline(always)]
 pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3, tau: f32) -> (Rgb, f32) {
-    let is_raised = is_raised(lobe, tau);
+    let is_raised = is_lobe_raised(lobe, tau);
     let (f, p_hat) = if lobe.kind == lobe_kind::THIN_DIELECTRIC {
         thin_dielectric(lobe, wi, wo, tau)
     } else {
@@ -27,8 +21,7 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3, tau: f32) 
         let alpha = alpha_hat(lobe, transmission, tau);
         let regularized = roughened(lobe, alpha);
         let (f, p) = mixture::plain::eval_cosine_pdf(&regularized, data, wi, wo);
-        let flip = lobe::is_flipped(lobe, wi);
-        let pair = [lobe::mirrored(flip, wi), lobe::mirrored(flip, wo)];
+        let pair = lobe::pair_to_plain_model(lobe, wi, wo);
         let p_hat = density_of(lobe, &regularized, data, pair, 1.0, p);
         let p_hat = if p > 0.0 { p_hat } else { 0.0 };
         (f, if is_raised { p_hat } else { p })
@@ -44,8 +37,7 @@ pub fn eval_cosine_pdf(lobe: &Lobe, data: &[f32], wi: Vec3, wo: Vec3, tau: f32) 
 
 #[inline(always)]
 fn thin_dielectric(lobe: &Lobe, wi: Vec3, wo: Vec3, tau: f32) -> (Rgb, f32) {
-    let flip = lobe::is_flipped(lobe, wi);
-    let (inner, outer) = (lobe::mirrored(flip, wi), lobe::mirrored(flip, wo));
+    let [inner, outer] = lobe::pair_to_plain_model(lobe, wi, wo);
     let (colour, p) = thin_cones(lobe, inner, outer, tau);
     let is_valid =
         lobe::is_active(lobe.flags, wi) & (inner.z * inner.z > 0.0) & (outer.z * outer.z > 0.0);

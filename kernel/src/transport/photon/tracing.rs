@@ -41,6 +41,14 @@ pub struct LightBounce<'a, S, P> {
     pub store: &'a mut P,
 }
 
+impl<S, P> LightBounce<'_, S, P> {
+    /// Looks up where the walk has arrived; returns what is next, one of [`step`].
+    #[inline]
+    pub fn arrive(&mut self, connector: &Connector<'_>) -> u32 {
+        connector.arrive(self.walk, self.hit, self.site).1
+    }
+}
+
 impl PhotonTracer<'_> {
     /// The ray with which a light walk begins.
     #[inline]
@@ -57,24 +65,17 @@ impl PhotonTracer<'_> {
         &self,
         bounce: &mut LightBounce<'_, S, P>,
     ) -> u32 {
-        let LightBounce {
-            walk,
-            sampler,
-            hit,
-            site,
-            store,
-        } = bounce;
         let connector = &self.connector;
-        let (_, next) = connector.arrive(walk, hit, site);
+        let next = bounce.arrive(connector);
         if next != step::SCATTER {
             return next;
         }
-        let direction = walk.subpath.ray.direction;
-        let at = site
-            .interaction(direction)
+        let at = bounce
+            .site
+            .interaction(bounce.walk.subpath.ray.direction)
             .regularized(connector.regularization.tau, connector.regularization.flags);
-        self.deposit(walk, &at, *store);
-        connector.scatter(walk, &at, *sampler)
+        self.deposit(bounce.walk, &at, bounce.store);
+        connector.scatter(bounce.walk, &at, bounce.sampler)
     }
 
     /// Keeps the photon of a walk where it has arrived, if a camera walk may gather it.

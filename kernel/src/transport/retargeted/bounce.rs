@@ -27,25 +27,19 @@ pub fn light_bounce<S: Sampler, P: EditedStore>(
     states: &mut EditStates,
     bounce: &mut LightBounce<'_, S, P>,
 ) -> u32 {
-    let LightBounce {
-        walk,
-        sampler,
-        hit,
-        site,
-        store,
-    } = bounce;
     let connector = &tracer.connector;
-    let direction = walk.subpath.ray.direction;
-    let (_, next) = connector.arrive(walk, hit, site);
+    let direction = bounce.walk.subpath.ray.direction;
+    let next = bounce.arrive(connector);
     if next != step::SCATTER {
         return next;
     }
-    store.set_states(states);
-    tracer.deposit(walk, &site.interaction(direction), *store);
-    let incoming = arrive(connector, edits, states, walk, site, *sampler);
+    let (walk, sampler, site) = (&mut *bounce.walk, &mut *bounce.sampler, &mut *bounce.site);
+    bounce.store.set_states(states);
+    tracer.deposit(walk, &site.interaction(direction), bounce.store);
+    let incoming = arrive(connector, edits, states, walk, site, sampler);
     let retargeted = Retargeted::new(edits, states, incoming);
     let at = site.interaction(direction).retargeted(&retargeted);
-    let (next, after) = scatter(connector, walk, &at, &retargeted, *sampler, |_, _| true);
+    let (next, after) = scatter(connector, walk, &at, &retargeted, sampler, |_, _| true);
     *states = after;
     next
 }

@@ -42,20 +42,11 @@ multiversioned! {
         numbers: &mut NumberLanes<N>,
     ) {
         for k in queued.segment.padded::<N>() {
-            let i = queued.entries[k];
-            let mut sampler = queued.paths.sampler::<S>(i);
+            let mut sampler = queued.paths.sampler::<S>(queued.entries[k]);
             if SAMPLES_EMITTERS {
-                numbers.emitter[k] = sampler.next_1d();
-                let u = sampler.next_2d();
-                numbers.emitter_point[0][k] = u.x;
-                numbers.emitter_point[1][k] = u.y;
+                draw_emitter(&mut sampler, numbers, k);
             }
-            numbers.event[k] = sampler.next_1d();
-            let u = sampler.next_2d();
-            numbers.direction[0][k] = u.x;
-            numbers.direction[1][k] = u.y;
-            next.set_sampler(k, sampler);
-            next.index[k] = gather(&queued.paths.index, i);
+            draw_scattering(sampler, queued, next, numbers, k);
         }
     }
 
@@ -67,20 +58,41 @@ multiversioned! {
         numbers: &mut NumberLanes<N>,
     ) {
         for k in queued.segment.padded::<N>() {
-            let i = queued.entries[k];
-            let unlit = queued.paths.sampler::<S>(i);
+            let unlit = queued.paths.sampler::<S>(queued.entries[k]);
             let mut lit = unlit;
-            numbers.emitter[k] = lit.next_1d();
-            let u = lit.next_2d();
-            numbers.emitter_point[0][k] = u.x;
-            numbers.emitter_point[1][k] = u.y;
-            let mut sampler = if is_lit[k] != 0 { lit } else { unlit };
-            numbers.event[k] = sampler.next_1d();
-            let u = sampler.next_2d();
-            numbers.direction[0][k] = u.x;
-            numbers.direction[1][k] = u.y;
-            next.set_sampler(k, sampler);
-            next.index[k] = gather(&queued.paths.index, i);
+            draw_emitter(&mut lit, numbers, k);
+            let sampler = if is_lit[k] != 0 { lit } else { unlit };
+            draw_scattering(sampler, queued, next, numbers, k);
         }
     }
+}
+
+/// The numbers of an emitter sample, in slot `k < N`.
+#[inline(always)]
+fn draw_emitter<S: LaneSampler, const N: usize>(
+    sampler: &mut S,
+    numbers: &mut NumberLanes<N>,
+    k: usize,
+) {
+    numbers.emitter[k] = sampler.next_1d();
+    let u = sampler.next_2d();
+    numbers.emitter_point[0][k] = u.x;
+    numbers.emitter_point[1][k] = u.y;
+}
+
+/// The numbers of a scattered direction, the last of the bounce, in slot `k < N`.
+#[inline(always)]
+fn draw_scattering<S: LaneSampler, const N: usize>(
+    mut sampler: S,
+    queued: &QueuedPaths<'_, N>,
+    next: &mut PathLanes<N>,
+    numbers: &mut NumberLanes<N>,
+    k: usize,
+) {
+    numbers.event[k] = sampler.next_1d();
+    let u = sampler.next_2d();
+    numbers.direction[0][k] = u.x;
+    numbers.direction[1][k] = u.y;
+    next.set_sampler(k, sampler);
+    next.index[k] = gather(&queued.paths.index, queued.entries[k]);
 }

@@ -11,6 +11,7 @@ use super::paths::{PathLanes, QueuedPaths};
 use super::scattering::ScatteringInputs;
 use super::segment::Segment;
 use crate::math::{Rgb, float, luminance};
+use crate::regularize::both_ways::is_lobe_raised;
 use crate::regularize::plain_lobe;
 use crate::regularize::settings::Regularization;
 use crate::simd::lanes::gather;
@@ -145,7 +146,7 @@ multiversioned! {
     ) {
         for k in queued.segment.padded::<N>() {
             let tau = gather(of_path, queued.index(k) as u32).tau;
-            let is_raised = plain_lobe::is_raised(&lobes.get::<VARIANT>(k), tau);
+            let is_raised = is_lobe_raised(&lobes.get::<VARIANT>(k), tau);
             thresholds.tau[k] = tau;
             thresholds.is_raised[k] = u32::from(is_raised);
         }

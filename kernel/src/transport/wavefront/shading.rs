@@ -10,7 +10,7 @@ use super::lobes::{self, LobeLanes};
 use super::microfacet_normals::NormalLanes;
 use super::paths::{NextPathLanes, PathLanes, QueuedPaths};
 use super::random_numbers::{self, NumberLanes};
-use super::regularized::{self, RegularizedLanes, may_be_raised};
+use super::regularized::{self, RegularizedLanes};
 use super::scattering::ScatteringInputs;
 use super::segment::Segment;
 use super::shadow_rays::ShadowRayLanes;
@@ -168,23 +168,15 @@ pub(super) struct VariantShading<'a, S, const VARIANT: u32, const N: usize> {
     pub lanes: &'a mut ShadingLanes<N>,
     pub queue: VariantQueue<'a, N>,
     pub shaded: Shaded<'a, N>,
-    /// Where connections are regularised.
+    /// Where connections to lobes of the variant are regularised.
     pub regularized: Option<&'a mut RegularizedLanes<N>>,
     pub sampler: PhantomData<S>,
 }
 
 impl<S, const VARIANT: u32, const N: usize> VariantShading<'_, S, VARIANT, N> {
-    /// What the regularisation of the queue's lobes needs, if they may have any.
-    fn raised(&mut self) -> Option<&mut RegularizedLanes<N>> {
-        match &mut self.regularized {
-            Some(own) if may_be_raised(VARIANT) => Some(own),
-            _ => None,
-        }
-    }
-
     /// Whether none of the lobes has a value.
-    fn is_unlit(&mut self) -> bool {
-        is_delta(bsdf_variant::kind(VARIANT)) && self.raised().is_none()
+    fn is_unlit(&self) -> bool {
+        is_delta(bsdf_variant::kind(VARIANT)) && self.regularized.is_none()
     }
 }
 
@@ -204,9 +196,7 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
                 .lobes
                 .look_up_textures::<VARIANT>(simd, tables, points, segment, textures);
         }
-        if let Some(own) = &mut self.regularized
-            && may_be_raised(VARIANT)
-        {
+        if let Some(own) = &mut self.regularized {
             let (lobes, thresholds) = (&lanes.lobes, &mut own.thresholds);
             regularized::find_thresholds::<VARIANT, N>(
                 simd,
@@ -263,25 +253,13 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
             lights: &self.lanes.lights,
         };
         let (simd, tables, keep) = (self.simd, self.tables, self.keep);
-        match &mut self.regularized {
-            Some(own) if may_be_raised(VARIANT) => {
-                own.set_shares(queued.segment);
-                let tau = &own.thresholds.tau;
-                evaluate_lights_below::<VARIANT, N>(
-                    simd,
-                    tables,
-                    queued,
-                    &lit,
-                    tau,
-                    keep,
-                    shadow_rays,
-                );
-                return;
-            }
-            Some(own) => own.clear(queued.segment),
-            None => {}
+        if let Some(own) = &mut self.regularized {
+            own.set_shares(queued.segment);
+            let tau = &own.thresholds.tau;
+            evaluate_lights_below::<VARIANT, N>(simd, tables, queued, &lit, tau, keep, shadow_rays);
+        } else {
+            evaluate_lights::<VARIANT, N>(simd, tables, queued, &lit, keep, shadow_rays);
         }
-        evaluate_lights::<VARIANT, N>(simd, tables, queued, &lit, keep, shadow_rays);
     }
 
     fn sample_bsdf(&mut self) {
@@ -305,9 +283,7 @@ impl<S: LaneSampler, const VARIANT: u32, const N: usize> Shading
         let (points, samples) = (&self.lanes.points, &self.lanes.samples);
         let (queued, next) = (&self.queue.queued, &mut *self.shaded.next);
         bsdf_samples::continue_along::<S, N>(self.simd, &self.rules, queued, points, samples, next);
-        if let Some(own) = &mut self.regularized
-            && may_be_raised(VARIANT)
-        {
+        if let Some(own) = &mut self.regularized {
             let (thresholds, pending) = (&own.thresholds, &mut own.pending);
             let segment = queued.segment;
             regularized::set_pending::<VARIANT, N>(

@@ -5,7 +5,7 @@ use super::division::WaveDivision;
 use super::fallback::Fallback;
 use super::paths::{self, NextPathLanes, PathLanes};
 use super::queues::{self, ShadingQueues, TracedPaths, queue_of};
-use super::regularized::RegularizedLanes;
+use super::regularized::{RegularizedLanes, may_be_raised};
 use super::shading::{Shaded, ShadingLanes, VariantQueue, VariantShading};
 use super::shadow_rays::{self, ShadowRayLanes};
 use crate::math::Rgb;
@@ -137,6 +137,14 @@ impl<const N: usize> WaveState<N> {
             if queued.segment.count == 0 {
                 continue;
             }
+            let regularized = match mode {
+                Mode::Regularized if may_be_raised(VARIANT) => Some(&mut self.regularized),
+                Mode::Regularized => {
+                    self.regularized.clear(queued.segment);
+                    None
+                }
+                _ => None,
+            };
             shade(&mut VariantShading::<S, VARIANT, N> {
                 simd,
                 tables,
@@ -156,10 +164,7 @@ impl<const N: usize> WaveState<N> {
                     shadow_rays: &mut self.shadow_rays,
                     radiance: &mut self.radiance,
                 },
-                regularized: match mode {
-                    Mode::Regularized => Some(&mut self.regularized),
-                    _ => None,
-                },
+                regularized,
                 sampler: PhantomData,
             });
             if let Mode::Divided(division) = mode {

@@ -15,25 +15,19 @@ pub fn photon_bounce<S: Sampler, P: NodeStore>(
     last: &mut u32,
     bounce: &mut LightBounce<'_, S, P>,
 ) -> u32 {
-    let LightBounce {
-        walk,
-        sampler,
-        hit,
-        site,
-        store,
-    } = bounce;
     let connector = &tracer.connector;
-    let next = connector.arrive(walk, hit, site).1;
+    let next = bounce.arrive(connector);
     if next != step::SCATTER {
         return next;
     }
-    let at = site.interaction(walk.subpath.ray.direction);
+    let (walk, store) = (&mut *bounce.walk, &mut *bounce.store);
+    let at = bounce.site.interaction(walk.subpath.ray.direction);
     let before = store.node_mut(*last).copied();
     let node = PathNode::new(
         connector,
         regularization,
         walk,
-        hit,
+        bounce.hit,
         &at,
         (*last, before.as_ref()),
         0.0,
@@ -43,10 +37,10 @@ pub fn photon_bounce<S: Sampler, P: NodeStore>(
     tracer.deposit(
         walk,
         &at.regularized(regularization.tau, regularization.flags),
-        *store,
+        store,
     );
     let depth = walk.subpath.depth;
-    let next = connector.scatter(walk, &at, *sampler);
+    let next = connector.scatter(walk, &at, bounce.sampler);
     if next == step::TRACE && walk.subpath.depth > depth {
         if let Some(node) = store.node_mut(index) {
             node.record_scattering(connector.tables, regularization, &at, walk);

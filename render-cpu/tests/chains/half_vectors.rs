@@ -231,7 +231,8 @@ fn far() -> Vec<(&'static str, ChainSettings)> {
 }
 
 /// The image of paths that all mutations move, from chains that come around: a wrong density of steps, of roughness, of turns or
-/// of the measure moves blocks by more than their noise. The probabilities of breaking up are too small a part to be seen here.
+/// of the measure moves blocks by more than their noise. The probabilities of breaking up are too small a part to be seen here, but not in
+/// `broken_up`.
 #[test]
 fn long_chains_of_far_steps_keep_the_image() {
     let metal = r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0.12"/></bsdf>"#;

@@ -4,6 +4,7 @@
 #[allow(dead_code)]
 mod agreement;
 mod brightness;
+mod broken_up;
 mod edited;
 mod full_paths;
 mod half_vectors;

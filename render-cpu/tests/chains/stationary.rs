@@ -55,7 +55,7 @@ const FALSE_ALARM: f64 = 1e-3;
 const TESTS: f64 = 120.0;
 
 /// A cell of the states.
-type Cell = fn(&Observation) -> usize;
+pub type Cell = fn(&Observation) -> usize;
 
 const PARTITIONS: [(&str, Cell); 5] = [
     ("edges", |o| o.edges.min(9) as usize),
@@ -209,7 +209,7 @@ fn statistic(all: &[Vec<f64>], is_closed: bool) -> (f64, usize) {
 }
 
 /// Tests every partition of the states of an algorithm.
-fn keeps<A: ChainAlgorithm>(
+pub fn keeps<A: ChainAlgorithm>(
     what: &str,
     partitions: &[(&str, Cell)],
     algorithm: impl Fn(u32) -> A + Sync,
@@ -253,13 +253,13 @@ fn keeps<A: ChainAlgorithm>(
     results
 }
 
-fn report(results: Vec<Result<(), String>>) {
+pub fn report(results: Vec<Result<(), String>>) {
     let wrong: Vec<_> = results.into_iter().filter_map(Result::err).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Nothing but mutations of these weights.
-fn weighed(weights: [f32; 6]) -> ChainSettings {
+pub fn weighed(weights: [f32; 6]) -> ChainSettings {
     let [
         bidirectional,
         lens,

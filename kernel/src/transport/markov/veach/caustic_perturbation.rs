@@ -6,7 +6,8 @@
 //!
 //! Angles are those of the film steps r1 and r2 seen from the lens, times the path's length from the lens to the last vertex that moves
 //! over its length from there to the vertex that turns, so that the caustic moves as far over the film; what leads out of the range
-//! from y is not proposed from x.
+//! from y is not proposed from x. Where the largest would be more than pi / 2 it is that, and the smallest in proportion: as ln(t2 / t1)
+//! is the same for all paths, it cancels in T(y -> x) / T(x -> y).
 
 use super::ChainPath;
 use super::candidate::{append_from_light, join};
@@ -140,9 +141,7 @@ fn caustic_angles<T: Traverse>(
     let from_lens: f32 = (end..k).map(distance).sum();
     let from_start: f32 = (start..end).map(distance).sum();
     let per_pixel = 2.0 * camera.tan_half_width / camera.film_size[0] as f32;
-    let scale = per_pixel * from_lens / from_start;
-    film_steps(camera.crop_size).map(|r| {
-        let angle = r * scale;
-        if angle < 0.5 * PI { angle } else { 0.5 * PI }
-    })
+    let steps = film_steps(camera.crop_size);
+    let (scale, most) = (per_pixel * from_lens / from_start, 0.5 * PI / steps[1]);
+    steps.map(|r| r * if scale < most { scale } else { most })
 }

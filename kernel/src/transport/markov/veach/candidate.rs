@@ -1,7 +1,9 @@
-//! Paths from which chains start: all that two walks and their connections make.
+//! Paths from which chains start: all that two walks and their connections make, and what further walks from the sensor hit.
 //!
-//! A path that strategy s makes has the weight f / sum_j p_j, the balance heuristic's share of f / p_s, over the probabilities
-//! of surviving Russian roulette in its two walks.
+//! Light that only chance hits is found by one candidate in many thousands, which then starts most chains of a group, so a
+//! candidate has [`HITTING_WALKS`] walks from the sensor, of which one is connected with the light's and all may hit a light. A path
+//! that strategy s makes has the weight f / sum_j n_j p_j, the balance heuristic's share of f / p_s, over the probabilities of surviving
+//! Russian roulette in its two walks; n_0 is the number of walks from the sensor, all other n_j are one.
 //!
 //! With a target that is mollified, a connection makes a path with each of the ends blurred as well, if its materials allow that
 //! ([`super::ends`]); with edits one for each pair of labels that its ends can have.
@@ -26,6 +28,9 @@ const SURVIVAL: f32 = 0.8;
 
 /// Vertices after which walks may end at random.
 const SURE_VERTICES: usize = 4;
+
+/// Walks from the sensor.
+const HITTING_WALKS: usize = 9;
 
 /// A walk that is part of candidates.
 struct Subpath {
@@ -86,6 +91,94 @@ fn walk<T: Traverse, S: Sampler>(
     subpath
 }
 
+/// A walk from a point of the lens, and where on the film it began.
+struct SensorWalk {
+    film: Vec2,
+    u_lens: Vec2,
+    lens: Vertex,
+    subpath: Subpath,
+}
+
+/// A walk through a random point of the window.
+fn sensor_walk<T: Traverse, S: Sampler>(
+    tracer: &Tracer<'_, T>,
+    bsdf: &mut Bsdf,
+    sampler: &mut S,
+) -> SensorWalk {
+    let tables = &tracer.view.tables;
+    let (film, u_lens) = (sampler.next_2d(), sampler.next_2d());
+    let film = window_position(tables.camera.crop_offset, tables.camera.crop_size, film);
+    let ray = camera::ray_through(&tables.camera, film, u_lens);
+    SensorWalk {
+        film,
+        u_lens,
+        lens: Vertex::without_surface(tables, ray.origin),
+        subpath: walk(tracer, &ray, true, tracer.from_sensor(), bsdf, sampler),
+    }
+}
+
+/// Passes on a path that strategy `s` made at `film` with a probability of surviving Russian roulette; without light where it is none.
+fn finish<T: Traverse>(
+    tracer: &Tracer<'_, T>,
+    path: &mut ChainPath,
+    film: Vec2,
+    s: usize,
+    survived: f32,
+    bsdf: &mut Bsdf,
+    add: &mut impl FnMut(&ChainPath, f32),
+) {
+    let tables = &tracer.view.tables;
+    path.film = film;
+    if !tracer.evaluate(path, bsdf) || !path.may_join(s) {
+        return add(path, 0.0);
+    }
+    let sum: f32 = (1..=path.edges())
+        .map(|s| path.strategy_pdf(tables, s, false))
+        .sum();
+    let sum = sum + HITTING_WALKS as f32 * path.strategy_pdf(tables, 0, false);
+    let weight = luminance(path.value) / (sum * survived);
+    add(path, if weight.is_finite() { weight } else { 0.0 });
+}
+
+/// Passes on the paths to lights that a walk hits.
+fn hits<T: Traverse>(
+    tracer: &Tracer<'_, T>,
+    walk: &SensorWalk,
+    path: &mut ChainPath,
+    bsdf: &mut Bsdf,
+    add: &mut impl FnMut(&ChainPath, f32),
+) {
+    let tables = &tracer.view.tables;
+    let vertices = &walk.subpath.vertices;
+    path.u_lens = walk.u_lens;
+    for (i, end) in vertices.iter().enumerate() {
+        if end.point.emitter == NONE {
+            continue;
+        }
+        path.vertices.clear();
+        path.vertices.extend(vertices[..=i].iter().rev().copied());
+        path.vertices.push(walk.lens);
+        path.vertices[0].event = SMOOTH;
+        path.vertices[0].labels = [0; 2];
+        path.emitter = end.point.emitter;
+        finish(tracer, path, walk.film, 0, survival(i + 1), bsdf, add);
+    }
+    if let Some(direction) = walk.subpath.escaped
+        && tables.info.environment != NONE
+    {
+        path.vertices.clear();
+        let mut sky = Vertex::without_surface(tables, Vec3::ZERO);
+        sky.edge = walk.subpath.last;
+        path.vertices.push(sky);
+        path.vertices.extend(vertices.iter().rev().copied());
+        path.vertices.push(walk.lens);
+        path.emitter = tables.info.environment;
+        path.to_light = direction;
+        let survived = survival(vertices.len() + 1);
+        finish(tracer, path, walk.film, 0, survived, bsdf, add);
+    }
+}
+
 /// Passes on all paths of a candidate that may carry light with their weights; `sensor` and `light` are the numbers of its walks.
 pub fn paths<T: Traverse, S: Sampler>(
     tracer: &Tracer<'_, T>,
@@ -96,11 +189,9 @@ pub fn paths<T: Traverse, S: Sampler>(
 ) {
     let tables = &tracer.view.tables;
     let mut bsdf = Bsdf::BLACK;
-    let (film, u_lens) = (sensor.next_2d(), sensor.next_2d());
-    let film = window_position(tables.camera.crop_offset, tables.camera.crop_size, film);
-    let ray = camera::ray_through(&tables.camera, film, u_lens);
-    let labels = tracer.from_sensor();
-    let from_sensor = walk(tracer, &ray, true, labels, &mut bsdf, sensor);
+    let mut path = ChainPath::empty();
+    path.blurring = blurring;
+    let from_sensor = sensor_walk(tracer, &mut bsdf, sensor);
     let u_select = light.next_1d();
     let (u_position, u_direction) = (light.next_2d(), light.next_2d());
     let start = emission::sample(tables, u_select, u_position, u_direction);
@@ -111,55 +202,19 @@ pub fn paths<T: Traverse, S: Sampler>(
         Subpath {
             vertices: ArrayVec::new(),
             escaped: None,
-            last: from_sensor.last,
+            last: from_sensor.subpath.last,
         }
     };
-    let lens = Vertex::without_surface(tables, ray.origin);
-    let mut path = ChainPath::empty();
-    path.u_lens = u_lens;
-    path.blurring = blurring;
-    let mut finish = |path: &mut ChainPath, s: usize, survived: f32| {
-        path.film = film;
-        if !tracer.evaluate(path, &mut bsdf) || !path.may_join(s) {
-            return add(path, 0.0);
-        }
-        let sum: f32 = (0..=path.edges())
-            .map(|s| path.strategy_pdf(tables, s, false))
-            .sum();
-        let weight = luminance(path.value) / (sum * survived);
-        add(path, if weight.is_finite() { weight } else { 0.0 });
+    hits(tracer, &from_sensor, &mut path, &mut bsdf, &mut add);
+    path.u_lens = from_sensor.u_lens;
+    let (film, lens) = (from_sensor.film, from_sensor.lens);
+    let mut finish_connected = |path: &mut ChainPath, s, survived| {
+        finish(tracer, path, film, s, survived, &mut bsdf, &mut add);
     };
     // t counts the lens.
-    let camera_count = from_sensor.vertices.len();
-    for t in 1..=camera_count + 1 {
-        let of_camera = &from_sensor.vertices[..t - 1];
+    for t in 1..=from_sensor.subpath.vertices.len() + 1 {
+        let of_camera = &from_sensor.subpath.vertices[..t - 1];
         let end = of_camera.last();
-        // s = 0: what the walk met.
-        if let Some(end) = end
-            && end.point.emitter != NONE
-        {
-            path.vertices.clear();
-            path.vertices.extend(of_camera.iter().rev().copied());
-            path.vertices.push(lens);
-            path.vertices[0].event = SMOOTH;
-            path.vertices[0].labels = [0; 2];
-            path.emitter = end.point.emitter;
-            finish(&mut path, 0, survival(t - 1));
-        }
-        if t == camera_count + 1
-            && let Some(direction) = from_sensor.escaped
-            && tables.info.environment != NONE
-        {
-            path.vertices.clear();
-            let mut sky = Vertex::without_surface(tables, Vec3::ZERO);
-            sky.edge = from_sensor.last;
-            path.vertices.push(sky);
-            path.vertices.extend(of_camera.iter().rev().copied());
-            path.vertices.push(lens);
-            path.emitter = tables.info.environment;
-            path.to_light = direction;
-            finish(&mut path, 0, survival(t));
-        }
         for s in 1..=from_light.vertices.len() + 1 {
             if s + t > MAX_VERTICES || s + t > tracer.rules.max_depth as usize + 1 {
                 break;
@@ -175,12 +230,14 @@ pub fn paths<T: Traverse, S: Sampler>(
                     path.vertices[1].event = SMOOTH;
                     if join(tracer, &mut path, 0) {
                         let survived = survival(t - 1);
-                        for_ends(tracer, &mut path, 1, |path| finish(path, 1, survived));
+                        for_ends(tracer, &mut path, 1, |path| {
+                            finish_connected(path, 1, survived)
+                        });
                         continue;
                     }
                 }
                 path.vertices.clear();
-                finish(&mut path, 0, 1.0);
+                finish_connected(&mut path, 0, 1.0);
                 continue;
             }
             if !start.is_some() || s + t == 2 && !may_be_seen(tables, start.emitter) {
@@ -198,12 +255,18 @@ pub fn paths<T: Traverse, S: Sampler>(
             path.vertices[s].event = SMOOTH;
             if join(tracer, &mut path, s - 1) {
                 let survived = survival(s - 1) * survival(t - 1);
-                for_ends(tracer, &mut path, s, |path| finish(path, s, survived));
+                for_ends(tracer, &mut path, s, |path| {
+                    finish_connected(path, s, survived)
+                });
             } else {
                 path.vertices.clear();
-                finish(&mut path, 0, 1.0);
+                finish_connected(&mut path, 0, 1.0);
             }
         }
+    }
+    for _ in 1..HITTING_WALKS {
+        let further = sensor_walk(tracer, &mut bsdf, sensor);
+        hits(tracer, &further, &mut path, &mut bsdf, &mut add);
     }
 }
 

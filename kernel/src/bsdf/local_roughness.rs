@@ -49,7 +49,7 @@ pub fn local_beckmann_roughness(bsdf: &Bsdf, data: &[f32], wi: Vec3, wo: Vec3) -
     roughness_of_falloff(falloff, value)
 }
 
-/// Whether the fall-off of a lobe follows from its half vector alone.
+/// Whether the fall-off of a lobe takes no value at the pair.
 #[inline]
 fn has_own_falloff(kind: u32) -> bool {
     matches!(
@@ -58,6 +58,9 @@ fn has_own_falloff(kind: u32) -> bool {
             | lobe_kind::ROUGH_DIELECTRIC
             | lobe_kind::DIFFUSE
             | lobe_kind::ROUGH_DIFFUSE
+            | lobe_kind::MERL
+            | lobe_kind::MEASURED
+            | lobe_kind::DIFFRACTING_CONDUCTOR
     )
 }
 
@@ -154,10 +157,10 @@ pub fn falloff_by_differences(value: impl Fn(Vec3, Vec3) -> f32, wi: Vec3, wo: V
     let low = if theta > step { -step } else { -theta };
     let (t1, g1) = turned(&value, wi, wo, axis, low, theta);
     let (t2, g2) = turned(&value, wi, wo, axis, step, theta);
-    let (t0, g0) = turned(&value, wi, wo, axis, 0.0, theta);
     // A turned direction may leave the hemisphere: then one side is enough.
-    let (ta, ga) = if g1 > 0.0 { (t1, g1) } else { (t0, g0) };
-    let (tb, gb) = if g2 > 0.0 { (t2, g2) } else { (t0, g0) };
+    let unturned = || turned(&value, wi, wo, axis, 0.0, theta);
+    let (ta, ga) = if g1 > 0.0 { (t1, g1) } else { unturned() };
+    let (tb, gb) = if g2 > 0.0 { (t2, g2) } else { unturned() };
     let spread = tb * tb - ta * ta;
     if !(ga > gb && gb > 0.0 && spread > 1e-12) {
         return 0.0;

@@ -1,7 +1,7 @@
 //! Paths from which chains start: all that two walks and their connections make, and what further walks from the sensor hit.
 //!
 //! Light that only chance hits is found by one candidate in many thousands, which then starts most chains of a group, so a
-//! candidate has [`HITTING_WALKS`] walks from the sensor, of which one is connected with the light's and all may hit a light. A path
+//! candidate has nine walks from the sensor, of which one is connected with the light's and all may hit a light. A path
 //! that strategy s makes has the weight f / sum_j n_j p_j, the balance heuristic's share of f / p_s, over the probabilities of surviving
 //! Russian roulette in its two walks; n_0 is the number of walks from the sensor, all other n_j are one.
 //!
@@ -29,7 +29,7 @@ const SURVIVAL: f32 = 0.8;
 /// Vertices after which walks may end at random.
 const SURE_VERTICES: usize = 4;
 
-/// Walks from the sensor.
+/// Walks from the sensor of a candidate.
 const HITTING_WALKS: usize = 9;
 
 /// A walk that is part of candidates.

@@ -3,7 +3,7 @@
 
 use crate::brightness::{BALL, GLOSSY, POINT, SKY, camera};
 use crate::scenes::{LAMP, NamedFile, PINHOLE, faceted_sphere, room, scene, sky};
-use crate::tracing::with_tracer;
+use crate::tracing::{with_lit_paths, with_tracer};
 use glam::{Vec2, Vec3};
 use halflight::scene::build::Scene;
 use halflight_kernel::bsdf::Bsdf;
@@ -11,8 +11,6 @@ use halflight_kernel::manifold::half_vector::half_vector;
 use halflight_kernel::manifold::half_vector_form::{PROJECTED, SLOPE};
 use halflight_kernel::manifold::mutation::density_factor;
 use halflight_kernel::manifold::vertex_kind;
-use halflight_kernel::path::full_path::Blurring;
-use halflight_kernel::sampler::IndependentSampler;
 use halflight_kernel::transport::markov::half_vector::measure::{
     segment_factor, towards_light, vertex_factor,
 };
@@ -20,7 +18,7 @@ use halflight_kernel::transport::markov::half_vector::path_chain::PathChain;
 use halflight_kernel::transport::markov::half_vector::reconnection::Segment;
 use halflight_kernel::transport::markov::half_vector::settings::roughness_kind;
 use halflight_kernel::transport::markov::half_vector::tracing::scatter_at;
-use halflight_kernel::transport::markov::veach::{ChainPath, MAX_VERTICES, candidate};
+use halflight_kernel::transport::markov::veach::{ChainPath, MAX_VERTICES};
 
 const ROUGH_SHEET: &str = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.5"/>
     <rotate y="1" angle="20"/><translate x="-0.3" y="1" z="1"/></transform>
@@ -35,23 +33,13 @@ fn with_paths(scene: &Scene, mut test: impl FnMut(&ChainPath, &PathChain)) {
         let mut bsdf = Bsdf::BLACK;
         let mut chain = PathChain::EMPTY;
         let reference = Vec3::new(0.36, 0.48, 0.8);
-        for i in 0..1500 {
-            let mut sensor = IndependentSampler::new(1, 0, i);
-            let mut light = IndependentSampler::new(2, 0, i);
-            candidate::paths(
-                tracer,
-                Blurring::NONE,
-                &mut sensor,
-                &mut light,
-                |path, weight| {
-                    if weight > 0.0 && path.edges() >= 2 && path.edges() <= 6 {
-                        let tables = &tracer.view.tables;
-                        chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
-                        test(path, &chain);
-                    }
-                },
-            );
-        }
+        with_lit_paths(tracer, 1500, |path, _| {
+            if path.edges() >= 2 && path.edges() <= 6 {
+                let tables = &tracer.view.tables;
+                chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
+                test(path, &chain);
+            }
+        });
     });
 }
 

@@ -1,17 +1,16 @@
 //! Proposals of the perturbations for paths of a room with a mirror at a wall, a ball of glass and a lamp.
 
-use crate::tracing::Trace;
+use crate::tracing::{Trace, with_lit_paths};
 use glam::DVec3;
 use halflight_kernel::bsdf::Bsdf;
-use halflight_kernel::path::full_path::Blurring;
-use halflight_kernel::sampler::{IndependentSampler, Sampler};
+use halflight_kernel::sampler::Sampler;
+use halflight_kernel::transport::markov::veach::ChainPath;
 use halflight_kernel::transport::markov::veach::caustic_perturbation::{
     light_chain, propose_from_light,
 };
 use halflight_kernel::transport::markov::veach::lens_perturbation::{
     propose_from_sensor, sensor_chain,
 };
-use halflight_kernel::transport::markov::veach::{ChainPath, candidate};
 
 /// A sphere of the room.
 #[derive(Clone, Copy, Debug)]
@@ -128,44 +127,38 @@ pub fn propose(
 
 /// Calls `test` with proposals of every kind for the paths of as many candidates.
 pub fn with_proposals(tracer: &Trace<'_>, candidates: u32, mut test: impl FnMut(&Proposal<'_>)) {
-    for i in 0..candidates {
-        let mut sensor = IndependentSampler::new(1, 0, i);
-        let mut light = IndependentSampler::new(2, 0, i);
-        let mut random = IndependentSampler::new(3, 0, i);
-        let mut add = |x: &ChainPath, weight: f32| {
-            if !(weight > 0.0) || x.edges() < 2 {
-                return;
+    with_lit_paths(tracer, candidates, |x, random| {
+        if x.edges() < 2 {
+            return;
+        }
+        for is_caustic in [false, true] {
+            if is_caustic && light_chain(tracer, x).is_none() {
+                continue;
             }
-            for is_caustic in [false, true] {
-                if is_caustic && light_chain(tracer, x).is_none() {
-                    continue;
-                }
-                let mut y = ChainPath::empty();
-                let mut numbers = vec![];
-                let ratio = propose(tracer, is_caustic, x, &mut y, &mut || {
-                    numbers.push(random.next_1d());
-                    numbers[numbers.len() - 1]
-                });
-                let kind = match (is_caustic, sensor_chain(x).turns) {
-                    (true, _) => Perturbation::Caustic,
-                    (false, 0) => Perturbation::Lens,
-                    _ if numbers.len() > 2 && numbers[2] < 0.5 => Perturbation::AnchoredMultiChain,
-                    _ => Perturbation::MultiChain,
-                };
-                let chooses = [Perturbation::MultiChain, Perturbation::AnchoredMultiChain];
-                if chooses.contains(&kind) && numbers.len() > 2 {
-                    numbers.remove(2);
-                }
-                let pairs = numbers.chunks_exact(2);
-                test(&Proposal {
-                    kind,
-                    x,
-                    y: &y,
-                    numbers: pairs.map(|pair| [pair[0].into(), pair[1].into()]).collect(),
-                    ratio,
-                });
+            let mut y = ChainPath::empty();
+            let mut numbers = vec![];
+            let ratio = propose(tracer, is_caustic, x, &mut y, &mut || {
+                numbers.push(random.next_1d());
+                numbers[numbers.len() - 1]
+            });
+            let kind = match (is_caustic, sensor_chain(x).turns) {
+                (true, _) => Perturbation::Caustic,
+                (false, 0) => Perturbation::Lens,
+                _ if numbers.len() > 2 && numbers[2] < 0.5 => Perturbation::AnchoredMultiChain,
+                _ => Perturbation::MultiChain,
+            };
+            let chooses = [Perturbation::MultiChain, Perturbation::AnchoredMultiChain];
+            if chooses.contains(&kind) && numbers.len() > 2 {
+                numbers.remove(2);
             }
-        };
-        candidate::paths(tracer, Blurring::NONE, &mut sensor, &mut light, &mut add);
-    }
+            let pairs = numbers.chunks_exact(2);
+            test(&Proposal {
+                kind,
+                x,
+                y: &y,
+                numbers: pairs.map(|pair| [pair[0].into(), pair[1].into()]).collect(),
+                ratio,
+            });
+        }
+    });
 }

@@ -2,15 +2,14 @@
 //! take for reversible, and what a jump adds to the ratio of densities, against the walks themselves and densities per area.
 
 use crate::scenes::{LAMP, PINHOLE, scene};
-use crate::tracing::{Trace, with_tracer};
+use crate::tracing::{Trace, with_lit_paths, with_tracer};
 use glam::{Vec2, Vec3};
 use halflight_kernel::bsdf::Bsdf;
 use halflight_kernel::manifold::ChainJacobian;
 use halflight_kernel::manifold::half_vector_form::SLOPE;
 use halflight_kernel::manifold::mutation::{density_factor, mutate, mutation_kind};
 use halflight_kernel::manifold::walk::{WalkOptions, walk};
-use halflight_kernel::path::full_path::Blurring;
-use halflight_kernel::sampler::{IndependentSampler, Sampler};
+use halflight_kernel::sampler::Sampler;
 use halflight_kernel::scene::{SceneView, Traverse};
 use halflight_kernel::transport::markov::algorithm::WalkCounts;
 use halflight_kernel::transport::markov::half_vector::closing::{Closing, Jump, Moved, held};
@@ -20,7 +19,7 @@ use halflight_kernel::transport::markov::half_vector::reconnection::{
     Method, Segment, leads_back, options_of, reconnect,
 };
 use halflight_kernel::transport::markov::half_vector::settings::roughness_kind;
-use halflight_kernel::transport::markov::veach::{ChainPath, candidate};
+use halflight_kernel::transport::markov::veach::ChainPath;
 
 const N: usize = 4;
 
@@ -36,32 +35,21 @@ fn with_targets(mut test: impl FnMut(&Trace<'_>, &ChainPath, &PathChain, &Segmen
         let mut bsdf = Bsdf::BLACK;
         let mut chain = PathChain::EMPTY;
         let reference = Vec3::new(0.36, 0.48, 0.8);
-        for i in 0..1500 {
-            let mut sensor = IndependentSampler::new(1, 0, i);
-            let mut light = IndependentSampler::new(2, 0, i);
-            let mut steps = IndependentSampler::new(3, 0, i);
-            candidate::paths(
-                tracer,
-                Blurring::NONE,
-                &mut sensor,
-                &mut light,
-                |path, weight| {
-                    if !(weight > 0.0) || path.edges() != 3 {
-                        return;
-                    }
-                    let tables = &tracer.view.tables;
-                    chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
-                    let Some(segment) = Segment::<N>::new(&chain, 0, 3, SLOPE) else {
-                        return;
-                    };
-                    let mut target = segment.jacobian.h;
-                    for h in &mut target[1..3] {
-                        *h += (steps.next_2d() - Vec2::splat(0.5)) * 1.2;
-                    }
-                    test(tracer, path, &chain, &segment, &target);
-                },
-            );
-        }
+        with_lit_paths(tracer, 1500, |path, steps| {
+            if path.edges() != 3 {
+                return;
+            }
+            let tables = &tracer.view.tables;
+            chain.set(tables, path, reference, roughness_kind::LOCAL, &mut bsdf);
+            let Some(segment) = Segment::<N>::new(&chain, 0, 3, SLOPE) else {
+                return;
+            };
+            let mut target = segment.jacobian.h;
+            for h in &mut target[1..3] {
+                *h += (steps.next_2d() - Vec2::splat(0.5)) * 1.2;
+            }
+            test(tracer, path, &chain, &segment, &target);
+        });
     });
 }
 

@@ -206,7 +206,6 @@ pub fn paths<T: Traverse, S: Sampler>(
         }
     };
     hits(tracer, &from_sensor, &mut path, &mut bsdf, &mut add);
-    path.u_lens = from_sensor.u_lens;
     let (film, lens) = (from_sensor.film, from_sensor.lens);
     let mut finish_connected = |path: &mut ChainPath, s, survived| {
         finish(tracer, path, film, s, survived, &mut bsdf, &mut add);
